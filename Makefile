@@ -1,0 +1,105 @@
+# Sets up, tests, packages and shows Turgor. `make help` lists what there is.
+# Needs Rust and Python 3.11 (Blender 4.5 LTS); with Python 3.13 also serves Blender 5.2 LTS.
+SHELL := /bin/bash
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+MAKEFLAGS += --no-builtin-rules
+
+# FILE: any .blend, .glb, .gltf or .fbx with a rigged character.
+FILE ?=
+PYTEST_FLAGS ?= -q
+
+HAS_3.13 := $(shell environment/find_python.sh 3.13 2>/dev/null)
+TOOLS    := .venv-3.11/bin
+NEWEST   := $(if $(HAS_3.13),.venv-3.13,.venv-3.11)
+
+ENGINE_SOURCES    := $(shell find rust -type f -not -path '*/target/*' -not -name '*.pyc') Cargo.toml Cargo.lock pyproject.toml
+EXTENSION_SOURCES := $(shell find addon packaging -type f -not -name '*.pyc')
+FIXTURE_SOURCES   := $(wildcard blend_fixtures/*.py)
+
+.PHONY: help demo test lint format bench package wheel lock clean
+.PHONY: lint-rust lint-python test-rust test-python test-3.11 test-3.13
+
+help: ## this list
+	@grep -hE '^[a-z.-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
+
+# ---- environments --------------------------------------------------------------------------------------------------
+
+.venv-%/.ready: environment/requirements-%.txt environment/create.sh
+	environment/create.sh $*
+	touch $@
+
+.venv-%/.engine: dist/.wheel .venv-%/.ready
+	.venv-$*/bin/python -m pip install --quiet --disable-pip-version-check --no-index --no-deps --force-reinstall dist/*.whl
+	touch $@
+
+lock: ## resolve the pinned versions of all tools anew
+	environment/lock.sh 3.11
+	environment/lock.sh 3.13
+
+# ---- what is shipped -----------------------------------------------------------------------------------------------
+
+wheel: dist/.wheel ## the engine as a Python wheel, in dist/
+
+dist/.wheel: $(ENGINE_SOURCES) packaging/stamp_wheel.py | .venv-3.11/.ready
+	mkdir -p dist && rm -f dist/*.whl
+	$(TOOLS)/maturin build --release --locked --out dist
+	$(TOOLS)/python packaging/stamp_wheel.py dist/*.whl
+	touch $@
+
+package: dist/.extension ## the extension zip, validated by Blender, in dist/
+
+dist/.extension: dist/.wheel $(EXTENSION_SOURCES)
+	rm -f dist/*.zip
+	$(TOOLS)/python packaging/build_extension.py --wheels dist/*.whl --output dist
+	touch $@
+
+# ---- see it --------------------------------------------------------------------------------------------------------
+
+demo: dist/.extension .fixtures/.ready $(NEWEST)/.ready ## pictures and figures of a character in demo_out/: make demo [FILE=path]
+	$(NEWEST)/bin/python -m demo $(if $(FILE),"$(FILE)",.fixtures/elephant.blend) --extension dist/*.zip --output demo_out
+
+.fixtures/.ready: $(FIXTURE_SOURCES) $(NEWEST)/.ready
+	$(NEWEST)/bin/python -m blend_fixtures --output .fixtures
+	touch $@
+
+# ---- judge it ------------------------------------------------------------------------------------------------------
+
+test: lint test-rust test-python test-3.11 test-3.13 ## everything: lint, engine, and the extension in every Blender found
+
+test-rust:
+	cargo test --workspace --locked
+
+test-python: .venv-3.11/.engine
+	$(TOOLS)/python -m pytest $(PYTEST_FLAGS) tests/architecture tests/engine tests/logic
+
+test-3.11 test-3.13: test-%: dist/.extension .venv-%/.engine .fixtures/.ready
+	.venv-$*/bin/python -m pytest $(PYTEST_FLAGS) tests/blender
+
+ifndef HAS_3.13
+test-3.13:
+	@echo "SKIPPED: tests in Blender 5.2 LTS, because no Python 3.13 was found"
+endif
+
+lint: lint-rust lint-python ## clippy, rustfmt, ruff, pyright, stubtest
+
+lint-rust:
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets --locked -- -D warnings
+
+lint-python: .venv-3.11/.engine
+	$(TOOLS)/ruff check
+	$(TOOLS)/ruff format --check
+	$(TOOLS)/pyright
+	$(TOOLS)/python -m mypy.stubtest turgor --mypy-config-file pyproject.toml
+
+format: .venv-3.11/.ready ## rustfmt and ruff, in place
+	cargo fmt --all
+	$(TOOLS)/ruff check --fix
+	$(TOOLS)/ruff format
+
+bench: ## criterion benches of the engine
+	cargo bench --workspace --locked
+
+clean: ## remove everything made here
+	rm -rf target dist demo_out .fixtures .venv-3.11 .venv-3.13
