@@ -1,0 +1,44 @@
+"""Scene fixtures, modelled, rigged and animated by script.
+
+    build("elephant")                     into the current, empty Blender file
+    python -m blend_fixtures OUT_DIR      one .blend per fixture
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+
+from . import bent_cylinder, elephant, four_bone_chain, giraffe, three_segment_cylinder, twist_chain
+from .character import Character
+
+BUILDERS: dict[str, Callable[[], Character]] = {
+    "bent_cylinder": bent_cylinder.build,
+    "three_segment_cylinder": three_segment_cylinder.build,
+    "four_bone_chain": four_bone_chain.build,
+    "twist_chain": twist_chain.build,
+    "elephant": elephant.build,
+    "giraffe": giraffe.build,
+}
+NAMES: tuple[str, ...] = tuple(BUILDERS)
+
+__all__ = ["BUILDERS", "NAMES", "Character", "build", "write"]
+
+
+def build(name: str) -> Character:
+    """The fixture's character (`body`, `armature`), built into the current Blender file."""
+    if name not in BUILDERS:
+        raise ValueError(f"no fixture is called {name!r}: there are {', '.join(NAMES)}")
+    return BUILDERS[name]()
+
+
+def write(name: str, directory: Path) -> Path:
+    """Build one fixture in a fresh Blender file and save it as `directory/name.blend`."""
+    path = directory.resolve() / f"{name}.blend"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    build(name)
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
+    return path

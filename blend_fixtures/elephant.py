@@ -1,0 +1,227 @@
+"""An elephant: barrel body, pillar legs with knees, ears, trunk, tail; 17 bones, a walk with one high step."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+import numpy as np
+
+from .cage import Cage, Loft, Station, Surface, ellipse
+from .character import Bone, Character, Point, make_character, make_mesh
+from .gait import Leg, walk_pose
+from .posing import Pose, key_cycle
+from .shells import ball, horn
+from .skin_weights import heat_weights
+from .stage import make_material, set_stage
+
+FRAME_COUNT = 48
+
+STATIONS = [
+    Station(-1.20, 1.66, 0.34, 0.40, 0.36),
+    Station(-1.00, 1.68, 0.54, 0.56, 0.52),
+    Station(-0.70, 1.68, 0.63, 0.64, 0.60),
+    Station(-0.36, 1.67, 0.66, 0.68, 0.63),
+    Station(0.04, 1.66, 0.66, 0.70, 0.64),
+    Station(0.40, 1.68, 0.63, 0.66, 0.60),
+    Station(0.70, 1.74, 0.58, 0.62, 0.53),
+    Station(0.98, 1.84, 0.52, 0.54, 0.43, 5),
+    Station(1.18, 1.96, 0.47, 0.45, 0.36, 5),
+    Station(1.38, 2.06, 0.48, 0.42, 0.36, -5),
+    Station(1.62, 2.06, 0.44, 0.42, 0.36, -25),
+    Station(1.82, 1.92, 0.34, 0.34, 0.29, -50),
+    Station(1.95, 1.66, 0.22, 0.23, 0.21, -70),
+    Station(2.03, 1.34, 0.165, 0.165, 0.16, -80),
+    Station(2.07, 1.02, 0.13, 0.13, 0.13, -85),
+    Station(2.10, 0.70, 0.105, 0.105, 0.105, -82),
+    Station(2.17, 0.42, 0.085, 0.085, 0.085, -65),
+    Station(2.28, 0.26, 0.07, 0.07, 0.072, -42),
+]
+LEG_COLUMNS = range(2, 4)
+HIND_SEGMENTS = range(1, 3)
+FRONT_SEGMENTS = range(5, 7)
+EAR_SEGMENTS = range(8, 9)
+EAR_COLUMNS = range(0, 3)
+NECK_SEGMENT = 7
+TRUNK_SEGMENT = 11
+
+
+def build() -> Character:
+    surface = body_surface()
+    for side in (1, -1):
+        tusk = horn([(0.20, -1.80, 1.66), (0.25, -2.02, 1.46), (0.27, -2.30, 1.42)], [0.055, 0.05, 0.02], "tusk")
+        eye = ball((0.335, -1.62, 2.02), 0.045, "eye")
+        for shell in (tusk, eye):
+            surface = surface.joined(shell if side > 0 else shell.mirrored())
+    mesh = make_mesh("elephant", surface.points, surface.quads)
+    for name, colour, roughness in (
+        ("elephant_skin", (0.36, 0.32, 0.30), 0.75),
+        ("ivory", (0.83, 0.77, 0.64), 0.35),
+        ("eye", (0.03, 0.02, 0.02), 0.15),
+    ):
+        mesh.materials.append(make_material(name, colour, roughness))
+    slots = {"tusk": 1, "eye": 2}
+    mesh.polygons.foreach_set("material_index", np.array([slots.get(part, 0) for part in surface.parts], np.int32))
+    character = make_character("elephant", mesh, BONES, heat_weights(surface, BONES, PART_BONES))
+    key_cycle(character.armature, FRAME_COUNT, 16, pose_at, "hips", hips_offset_at)
+    set_stage(character, view=(48.0, 9.0), ground=True)
+    return character
+
+
+def body_surface() -> Surface:
+    cage = Cage()
+    loft = Loft(cage, STATIONS, _part_of)
+    rump = loft.close_rear("torso", bulge=0.05)
+    loft.close_front("trunk", bulge=(0, -0.02, -0.02))
+    _add_tail(cage, rump)
+    for side in (1, -1):
+        _add_leg(cage, loft, HIND_SEGMENTS, "leg_back", -0.72, side)
+        _add_leg(cage, loft, FRONT_SEGMENTS, "leg_front", 0.68, side)
+        _add_ear(cage, loft, side)
+    return cage.surface(levels=2)
+
+
+def _part_of(segment: int, column: int) -> str:
+    if segment >= TRUNK_SEGMENT:
+        return "trunk"
+    if segment >= NECK_SEGMENT:
+        return "head"
+    return "torso"
+
+
+def _side_name(name: str, side: int) -> str:
+    return f"{name}.{'L' if side > 0 else 'R'}"
+
+
+def _add_leg(cage: Cage, loft: Loft, segments: range, name: str, forward: float, side: int) -> None:
+    loop, squares = loft.open_patch(segments, LEG_COLUMNS, side)
+    rings = [
+        ellipse(squares, (x, -forward - lean, z), (0, -length, 0), (-width, 0, 0))
+        for z, x, lean, length, width in (
+            (1.00, 0.37, 0.00, 0.27, 0.215),
+            (0.74, 0.37, 0.01, 0.215, 0.185),
+            (0.48, 0.37, 0.00, 0.18, 0.165),
+            (0.22, 0.37, 0.00, 0.175, 0.17),
+            (0.03, 0.37, 0.01, 0.20, 0.195),
+        )
+    ]
+    part = _side_name(name, side)
+    cage.fill_side(cage.draw_out(loop, rings, part, side), 2, 2, part, side)
+
+
+def _add_ear(cage: Cage, loft: Loft, side: int) -> None:
+    loop, squares = loft.open_patch(EAR_SEGMENTS, EAR_COLUMNS, side)
+    part = _side_name("ear", side)
+    outward, backward = np.array([0.72, 0.69, 0.0]), np.array([0.69, -0.72, 0.0])
+    rings = []
+    for root, reach, top, bottom, thickness in (
+        ((0.40, -1.30), 0.06, 2.42, 1.92, 0.05),
+        ((0.40, -1.30), 0.34, 2.56, 1.66, 0.035),
+        ((0.40, -1.30), 0.62, 2.46, 1.50, 0.025),
+    ):
+        ring = []
+        for front, down in squares:
+            point = np.array([*root, top + (bottom - top) * (down + 1) / 2]) + outward * reach
+            ring.append(point + backward * front * thickness)
+        rings.append(np.array(ring))
+    cage.fill_side(cage.draw_out(loop, rings, part, side), 1, 3, part, side)
+
+
+def _add_tail(cage: Cage, rump: list[list[int]]) -> None:
+    loop = [rump[0][1], rump[0][2], rump[1][2], rump[1][1]]
+    cage.remove_face(set(loop))
+    squares = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+    rings = [
+        ellipse(squares, (0, y, z), (radius, 0, 0), (0, -radius * up, -radius * out))
+        for y, z, radius, up, out in (
+            (1.36, 1.76, 0.085, 0.75, 0.65),
+            (1.46, 1.42, 0.055, 0.97, 0.2),
+            (1.50, 1.06, 0.04, 1.0, 0.1),
+            (1.52, 0.86, 0.05, 1.0, 0.1),
+        )
+    ]
+    cage.add_face(cage.draw_out(loop, rings, "tail"), "tail")
+
+
+def _both_sides(name: str, head: Point, tail: Point, parent: str, bend_axis: Point = (1, 0, 0)) -> list[Bone]:
+    bones = []
+    for side in (1, -1):
+        bones.append(
+            Bone(
+                _side_name(name, side),
+                (side * head[0], *head[1:]),
+                (side * tail[0], *tail[1:]),
+                _side_name(parent, side) if parent.startswith("leg_") else parent,
+                bend_axis,
+            )
+        )
+    return bones
+
+
+BONES: list[Bone] = [
+    Bone("hips", (0, 0.95, 1.85), (0, 0.0, 1.85)),
+    Bone("chest", (0, 0.0, 1.85), (0, -0.98, 1.92), "hips"),
+    Bone("head", (0, -0.98, 1.92), (0, -1.86, 1.86), "chest"),
+    Bone("trunk.001", (0, -1.86, 1.86), (0, -2.02, 1.38), "head"),
+    Bone("trunk.002", (0, -2.02, 1.38), (0, -2.09, 0.86), "trunk.001"),
+    Bone("trunk.003", (0, -2.09, 0.86), (0, -2.28, 0.26), "trunk.002"),
+    Bone("tail", (0, 1.24, 1.86), (0, 1.52, 0.86), "hips"),
+    *_both_sides("ear", (0.36, -1.28, 2.18), (0.88, -0.80, 2.0), "head", (0, 0, 1)),
+    *_both_sides("leg_front_upper", (0.37, -0.66, 1.42), (0.37, -0.70, 0.70), "chest"),
+    *_both_sides("leg_front_lower", (0.37, -0.70, 0.70), (0.37, -0.68, 0.02), "leg_front_upper"),
+    *_both_sides("leg_back_upper", (0.37, 0.74, 1.42), (0.37, 0.70, 0.70), "hips"),
+    *_both_sides("leg_back_lower", (0.37, 0.70, 0.70), (0.37, 0.72, 0.02), "leg_back_upper"),
+]
+BONE = {bone.name: bone for bone in BONES}
+PART_BONES: dict[str, list[str]] = {
+    "torso": ["hips", "chest"],
+    "head": ["chest", "head"],
+    "trunk": ["head", "trunk.001", "trunk.002", "trunk.003"],
+    "tail": ["hips", "tail"],
+    "tusk": ["head"],
+    "eye": ["head"],
+} | {
+    part + end: bones
+    for end in (".L", ".R")
+    for part, bones in {
+        "ear": ["head", f"ear{end}"],
+        "leg_front": [f"leg_front_upper{end}", f"leg_front_lower{end}"],
+        "leg_back": [f"leg_back_upper{end}", f"leg_back_lower{end}"],
+    }.items()
+}
+
+LEGS = [
+    Leg(BONE[f"leg_{pair}_upper{end}"], BONE[f"leg_{pair}_lower{end}"], phase, 0.56, lift)
+    for pair, end, phase, lift in (
+        ("back", ".L", 0.00, 0.26),
+        ("front", ".L", 0.25, 0.50),
+        ("back", ".R", 0.50, 0.26),
+        ("front", ".R", 0.75, 0.34),
+    )
+]
+
+
+def hips_offset_at(cycle: float) -> Point:
+    """Bone space of the hips: their Z axis points down... see `body_rise_at`."""
+    return (0.0, 0.0, body_rise_at(cycle))
+
+
+def body_rise_at(cycle: float) -> float:
+    return -0.05 + 0.015 * cos(4 * pi * cycle)
+
+
+def pose_at(cycle: float) -> Pose:
+    wave = 2 * pi * cycle
+    # The left front foot is highest at cycle 0.08: there the trunk curls most.
+    curl = (0.5 + 0.5 * cos(wave - 2 * pi * 0.08)) ** 1.5
+    swing = sin(wave)
+    pose = {
+        "chest": (1.5 * sin(2 * wave), 0.0, 2.0 * swing),
+        "head": (6.0 * cos(2 * wave) - 10.0 * curl, 0.0, 0.0),
+        "trunk.001": (14.0 - 62.0 * curl, 0.0, 6.0 * swing),
+        "trunk.002": (6.0 - 62.0 * curl, 0.0, 10.0 * swing),
+        "trunk.003": (-8.0 - 72.0 * curl, 0.0, 12.0 * swing),
+        "tail": (8.0, 0.0, 16.0 * sin(wave + 0.6)),
+        "ear.L": (-12.0 - 16.0 * sin(2 * wave), 0.0, 0.0),
+        "ear.R": (12.0 + 16.0 * sin(2 * wave), 0.0, 0.0),
+    }
+    return {**pose, **walk_pose(LEGS, cycle, body_rise_at(cycle))}

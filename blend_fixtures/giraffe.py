@@ -1,0 +1,5 @@
+from .character import Character
+
+
+def build() -> Character:
+    raise NotImplementedError

@@ -1,0 +1,126 @@
+"""Camera, lights, ground, materials: what makes a render of a fixture look good as it is."""
+
+from __future__ import annotations
+
+from math import radians
+
+import bpy
+import numpy as np
+from mathutils import Euler, Vector
+
+from .character import Character
+
+Colour = tuple[float, float, float]
+"""Linear RGB."""
+
+BACKGROUND: Colour = (0.62, 0.67, 0.72)
+GROUND: Colour = (0.50, 0.52, 0.52)
+MARGIN = 1.12
+"""Picture size over the character's size in it."""
+
+
+def make_material(name: str, colour: Colour, roughness: float = 0.6) -> bpy.types.Material:
+    """A plain material that Workbench, EEVEE and Cycles show alike."""
+    material = bpy.data.materials.new(name)
+    material.diffuse_color = (*colour, 1.0)
+    material.roughness = roughness
+    if material.node_tree is None:
+        material.use_nodes = True
+    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    shader.inputs["Base Color"].default_value = (*colour, 1.0)
+    shader.inputs["Roughness"].default_value = roughness
+    return material
+
+
+def set_stage(
+    character: Character, view: tuple[float, float], ground: bool = False, lens: float = 60.0
+) -> None:
+    """Light the scene and aim a camera that holds the whole animation.
+
+    view: the camera's heading about Z (0 looks along +Y, at a face turned to -Y) and its height, in degrees.
+    """
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y = 960, 640
+    _add_camera(character, view, lens)
+    _add_light("sun", "SUN", 3.0, (48.0, 0.0, view[0] + 38.0))
+    _add_light("fill", "SUN", 0.8, (62.0, 0.0, view[0] - 65.0))
+    _add_world()
+    if ground:
+        _add_ground()
+    shading = scene.display.shading
+    shading.light = "STUDIO"
+    shading.color_type = "MATERIAL"
+    shading.show_cavity = True
+    shading.cavity_type = "WORLD"
+    shading.show_shadows = ground
+    shading.shadow_intensity = 0.35
+    shading.background_type = "VIEWPORT"
+    shading.background_color = BACKGROUND
+    scene.display.render_aa = "8"
+    scene.view_settings.view_transform = "Standard"
+
+
+def animated_positions(character: Character, step: int = 2) -> np.ndarray:
+    """World positions of the evaluated mesh over the frame range, (frames, N, 3)."""
+    scene = bpy.context.scene
+    frames = []
+    for frame in range(scene.frame_start, scene.frame_end + 1, step):
+        scene.frame_set(frame)
+        evaluated = character.body.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        positions = np.empty(len(evaluated.data.vertices) * 3, dtype=np.float32)
+        evaluated.data.attributes["position"].data.foreach_get("vector", positions)
+        world = np.array(evaluated.matrix_world)
+        frames.append(positions.reshape(-1, 3).astype(float) @ world[:3, :3].T + world[:3, 3])
+    scene.frame_set(scene.frame_start)
+    return np.array(frames)
+
+
+def _add_camera(character: Character, view: tuple[float, float], lens: float) -> None:
+    scene = bpy.context.scene
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    scene.collection.objects.link(camera)
+    camera.data.lens = lens
+    rotation = Euler((radians(90.0 - view[1]), 0.0, radians(view[0])))
+    points = animated_positions(character).reshape(-1, 3) @ np.array(rotation.to_matrix())
+    # In camera axes a point is inside when |x - cx| <= (cz - z) * tangent, likewise y: the tightest cx, cy, cz.
+    tangent_x = camera.data.sensor_width / (2 * lens) / MARGIN
+    tangent_y = tangent_x * scene.render.resolution_y / scene.render.resolution_x
+    centre, distance = [], []
+    for axis, tangent in ((0, tangent_x), (1, tangent_y)):
+        above = (points[:, axis] + tangent * points[:, 2]).max()
+        below = (-points[:, axis] + tangent * points[:, 2]).max()
+        centre.append((above - below) / 2)
+        distance.append((above + below) / (2 * tangent))
+    camera.rotation_euler = rotation
+    camera.location = rotation.to_matrix() @ Vector((*centre, max(distance)))
+    scene.camera = camera
+
+
+def _add_light(name: str, kind: str, energy: float, rotation_degrees: tuple[float, float, float]) -> None:
+    light = bpy.data.objects.new(name, bpy.data.lights.new(name, kind))
+    light.data.energy = energy
+    light.data.angle = radians(6.0)
+    light.rotation_euler = tuple(radians(angle) for angle in rotation_degrees)
+    light.location = (0.0, 0.0, 6.0)
+    bpy.context.scene.collection.objects.link(light)
+
+
+def _add_world() -> None:
+    world = bpy.data.worlds.new("world")
+    world.color = BACKGROUND
+    if world.node_tree is None:
+        world.use_nodes = True
+    background = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
+    background.inputs["Color"].default_value = (*BACKGROUND, 1.0)
+    background.inputs["Strength"].default_value = 0.7
+    bpy.context.scene.world = world
+
+
+def _add_ground() -> None:
+    mesh = bpy.data.meshes.new("ground")
+    size = 60.0
+    mesh.from_pydata([(-size, -size, 0), (size, -size, 0), (size, size, 0), (-size, size, 0)], [], [(0, 1, 2, 3)])
+    mesh.materials.append(make_material("ground", GROUND, 0.9))
+    ground = bpy.data.objects.new("ground", mesh)
+    ground.hide_select = True
+    bpy.context.scene.collection.objects.link(ground)
