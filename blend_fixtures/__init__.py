@@ -1,7 +1,7 @@
 """Scene fixtures, modelled, rigged and animated by script.
 
-    build("elephant")                     into the current, empty Blender file
-    python -m blend_fixtures OUT_DIR      one .blend per fixture
+build("elephant")                     into the current, empty Blender file
+python -m blend_fixtures OUT_DIR      one .blend per fixture
 """
 
 from __future__ import annotations

@@ -52,6 +52,12 @@ class Surface:
         quads = np.concatenate([self.quads, other.quads + len(self.points)])
         return Surface(np.concatenate([self.points, other.points]), quads, self.parts + other.parts)
 
+    def vertices_of(self, *parts: str) -> np.ndarray:
+        """Mask (N,) of the vertices that touch one of the parts."""
+        mask = np.zeros(len(self.points), dtype=bool)
+        mask[self.quads[np.isin(self.parts, parts)]] = True
+        return mask
+
     def mirrored(self) -> Surface:
         return Surface(self.points * [-1, 1, 1], self.quads[:, ::-1], self.parts)
 

@@ -32,6 +32,25 @@ class Bone:
     bend_axis: Point = LEFT
 
 
+def side_name(name: str, side: int) -> str:
+    """`name.L` for side 1, `name.R` for side -1."""
+    return f"{name}.{'L' if side > 0 else 'R'}"
+
+
+def both_sides(name: str, head: Point, tail: Point, parent: str, bend_axis: Point = LEFT) -> list[Bone]:
+    """The left bone as given and its mirror image; a parent named `leg_...` is the one of the same side."""
+    return [
+        Bone(
+            side_name(name, side),
+            (side * head[0], head[1], head[2]),
+            (side * tail[0], tail[1], tail[2]),
+            side_name(parent, side) if parent.startswith("leg_") else parent,
+            bend_axis,
+        )
+        for side in (1, -1)
+    ]
+
+
 def make_mesh(name: str, points: np.ndarray, faces: Sequence[Sequence[int]]) -> bpy.types.Mesh:
     """A smooth-shaded mesh of points (N, 3) and faces."""
     mesh = bpy.data.meshes.new(name)
@@ -61,9 +80,7 @@ def make_armature(name: str, bones: Sequence[Bone]) -> bpy.types.Object:
     return armature
 
 
-def make_character(
-    name: str, mesh: bpy.types.Mesh, bones: Sequence[Bone], weights: np.ndarray
-) -> Character:
+def make_character(name: str, mesh: bpy.types.Mesh, bones: Sequence[Bone], weights: np.ndarray) -> Character:
     """Mesh and bones, bound by blend weights (N, bone count), rows summing to one."""
     armature = make_armature(f"{name}_rig", bones)
     armature.show_in_front = True

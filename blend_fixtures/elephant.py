@@ -7,7 +7,7 @@ from math import cos, pi, sin
 import numpy as np
 
 from .cage import Cage, Loft, Station, Surface, ellipse
-from .character import Bone, Character, Point, make_character, make_mesh
+from .character import Bone, Character, Point, both_sides, make_character, make_mesh, side_name
 from .gait import Leg, walk_pose
 from .posing import Pose, key_cycle
 from .shells import ball, horn
@@ -17,30 +17,32 @@ from .stage import make_material, set_stage
 FRAME_COUNT = 48
 
 STATIONS = [
-    Station(-1.20, 1.66, 0.34, 0.40, 0.36),
-    Station(-1.00, 1.68, 0.54, 0.56, 0.52),
-    Station(-0.70, 1.68, 0.63, 0.64, 0.60),
-    Station(-0.36, 1.67, 0.66, 0.68, 0.63),
-    Station(0.04, 1.66, 0.66, 0.70, 0.64),
-    Station(0.40, 1.68, 0.63, 0.66, 0.60),
-    Station(0.70, 1.74, 0.58, 0.62, 0.53),
-    Station(0.98, 1.84, 0.52, 0.54, 0.43, 5),
-    Station(1.18, 1.96, 0.47, 0.45, 0.36, 5),
-    Station(1.38, 2.06, 0.48, 0.42, 0.36, -5),
-    Station(1.62, 2.06, 0.44, 0.42, 0.36, -25),
-    Station(1.82, 1.92, 0.34, 0.34, 0.29, -50),
-    Station(1.95, 1.66, 0.22, 0.23, 0.21, -70),
-    Station(2.03, 1.34, 0.165, 0.165, 0.16, -80),
-    Station(2.07, 1.02, 0.13, 0.13, 0.13, -85),
-    Station(2.10, 0.70, 0.105, 0.105, 0.105, -82),
-    Station(2.17, 0.42, 0.085, 0.085, 0.085, -65),
-    Station(2.28, 0.26, 0.07, 0.07, 0.072, -42),
+    Station(-1.22, 1.66, 0.36, 0.42, 0.40),
+    Station(-1.02, 1.68, 0.56, 0.58, 0.58),
+    Station(-0.70, 1.68, 0.65, 0.66, 0.67),
+    Station(-0.34, 1.67, 0.67, 0.73, 0.71),
+    Station(0.06, 1.66, 0.67, 0.76, 0.72),
+    Station(0.42, 1.68, 0.65, 0.70, 0.67),
+    Station(0.72, 1.74, 0.61, 0.64, 0.58),
+    Station(0.98, 1.85, 0.55, 0.55, 0.46, 5),
+    Station(1.18, 1.97, 0.49, 0.47, 0.38, 5),
+    Station(1.38, 2.07, 0.52, 0.46, 0.385, -5),
+    Station(1.63, 2.07, 0.48, 0.46, 0.385, -25),
+    Station(1.83, 1.93, 0.40, 0.33, 0.30, -50),
+    Station(1.97, 1.67, 0.235, 0.20, 0.205, -70),
+    Station(2.04, 1.34, 0.165, 0.155, 0.155, -80),
+    Station(2.08, 1.02, 0.13, 0.125, 0.125, -85),
+    Station(2.11, 0.70, 0.105, 0.105, 0.10, -82),
+    Station(2.18, 0.42, 0.085, 0.085, 0.085, -65),
+    Station(2.29, 0.26, 0.07, 0.07, 0.072, -42),
 ]
 LEG_COLUMNS = range(2, 4)
 HIND_SEGMENTS = range(1, 3)
 FRONT_SEGMENTS = range(5, 7)
 EAR_SEGMENTS = range(8, 9)
 EAR_COLUMNS = range(0, 3)
+JAW_SEGMENTS = range(10, 11)
+JAW_COLUMNS = range(4, 5)
 NECK_SEGMENT = 7
 TRUNK_SEGMENT = 11
 
@@ -49,12 +51,12 @@ def build() -> Character:
     surface = body_surface()
     for side in (1, -1):
         tusk = horn([(0.20, -1.80, 1.66), (0.25, -2.02, 1.46), (0.27, -2.30, 1.42)], [0.055, 0.05, 0.02], "tusk")
-        eye = ball((0.335, -1.62, 2.02), 0.045, "eye")
+        eye = ball((0.352, -1.66, 2.03), 0.045, "eye")
         for shell in (tusk, eye):
             surface = surface.joined(shell if side > 0 else shell.mirrored())
     mesh = make_mesh("elephant", surface.points, surface.quads)
     for name, colour, roughness in (
-        ("elephant_skin", (0.36, 0.32, 0.30), 0.75),
+        ("elephant_skin", (0.42, 0.395, 0.37), 0.75),
         ("ivory", (0.83, 0.77, 0.64), 0.35),
         ("eye", (0.03, 0.02, 0.02), 0.15),
     ):
@@ -73,6 +75,7 @@ def body_surface() -> Surface:
     rump = loft.close_rear("torso", bulge=0.05)
     loft.close_front("trunk", bulge=(0, -0.02, -0.02))
     _add_tail(cage, rump)
+    _add_jaw(cage, loft)
     for side in (1, -1):
         _add_leg(cage, loft, HIND_SEGMENTS, "leg_back", -0.72, side)
         _add_leg(cage, loft, FRONT_SEGMENTS, "leg_front", 0.68, side)
@@ -88,35 +91,31 @@ def _part_of(segment: int, column: int) -> str:
     return "torso"
 
 
-def _side_name(name: str, side: int) -> str:
-    return f"{name}.{'L' if side > 0 else 'R'}"
-
-
 def _add_leg(cage: Cage, loft: Loft, segments: range, name: str, forward: float, side: int) -> None:
     loop, squares = loft.open_patch(segments, LEG_COLUMNS, side)
     rings = [
         ellipse(squares, (x, -forward - lean, z), (0, -length, 0), (-width, 0, 0))
         for z, x, lean, length, width in (
-            (1.00, 0.37, 0.00, 0.27, 0.215),
-            (0.74, 0.37, 0.01, 0.215, 0.185),
-            (0.48, 0.37, 0.00, 0.18, 0.165),
-            (0.22, 0.37, 0.00, 0.175, 0.17),
-            (0.03, 0.37, 0.01, 0.20, 0.195),
+            (0.98, 0.41, 0.00, 0.28, 0.23),
+            (0.73, 0.40, 0.01, 0.22, 0.195),
+            (0.48, 0.40, 0.00, 0.185, 0.175),
+            (0.22, 0.40, 0.00, 0.185, 0.18),
+            (0.03, 0.40, 0.01, 0.215, 0.205),
         )
     ]
-    part = _side_name(name, side)
+    part = side_name(name, side)
     cage.fill_side(cage.draw_out(loop, rings, part, side), 2, 2, part, side)
 
 
 def _add_ear(cage: Cage, loft: Loft, side: int) -> None:
     loop, squares = loft.open_patch(EAR_SEGMENTS, EAR_COLUMNS, side)
-    part = _side_name("ear", side)
-    outward, backward = np.array([0.72, 0.69, 0.0]), np.array([0.69, -0.72, 0.0])
+    part = side_name("ear", side)
+    outward, backward = np.array([0.66, 0.75, 0.0]), np.array([0.75, -0.66, 0.0])
     rings = []
     for root, reach, top, bottom, thickness in (
-        ((0.40, -1.30), 0.06, 2.42, 1.92, 0.05),
-        ((0.40, -1.30), 0.34, 2.56, 1.66, 0.035),
-        ((0.40, -1.30), 0.62, 2.46, 1.50, 0.025),
+        ((0.42, -1.30), 0.06, 2.42, 1.92, 0.05),
+        ((0.42, -1.30), 0.40, 2.62, 1.56, 0.035),
+        ((0.42, -1.30), 0.74, 2.46, 1.36, 0.025),
     ):
         ring = []
         for front, down in squares:
@@ -124,6 +123,15 @@ def _add_ear(cage: Cage, loft: Loft, side: int) -> None:
             ring.append(point + backward * front * thickness)
         rings.append(np.array(ring))
     cage.fill_side(cage.draw_out(loop, rings, part, side), 1, 3, part, side)
+
+
+def _add_jaw(cage: Cage, loft: Loft) -> None:
+    loop, squares = loft.open_patch(JAW_SEGMENTS, JAW_COLUMNS)
+    rings = [
+        ellipse(squares, (0, -forward, height), (0, -length, 0.35 * length), (-width, 0, 0))
+        for forward, height, length, width in ((1.72, 1.55, 0.10, 0.13), (1.80, 1.44, 0.06, 0.085))
+    ]
+    cage.add_face(cage.draw_out(loop, rings, "head"), "head")
 
 
 def _add_tail(cage: Cage, rump: list[list[int]]) -> None:
@@ -142,21 +150,6 @@ def _add_tail(cage: Cage, rump: list[list[int]]) -> None:
     cage.add_face(cage.draw_out(loop, rings, "tail"), "tail")
 
 
-def _both_sides(name: str, head: Point, tail: Point, parent: str, bend_axis: Point = (1, 0, 0)) -> list[Bone]:
-    bones = []
-    for side in (1, -1):
-        bones.append(
-            Bone(
-                _side_name(name, side),
-                (side * head[0], *head[1:]),
-                (side * tail[0], *tail[1:]),
-                _side_name(parent, side) if parent.startswith("leg_") else parent,
-                bend_axis,
-            )
-        )
-    return bones
-
-
 BONES: list[Bone] = [
     Bone("hips", (0, 0.95, 1.85), (0, 0.0, 1.85)),
     Bone("chest", (0, 0.0, 1.85), (0, -0.98, 1.92), "hips"),
@@ -165,11 +158,11 @@ BONES: list[Bone] = [
     Bone("trunk.002", (0, -2.02, 1.38), (0, -2.09, 0.86), "trunk.001"),
     Bone("trunk.003", (0, -2.09, 0.86), (0, -2.28, 0.26), "trunk.002"),
     Bone("tail", (0, 1.24, 1.86), (0, 1.52, 0.86), "hips"),
-    *_both_sides("ear", (0.36, -1.28, 2.18), (0.88, -0.80, 2.0), "head", (0, 0, 1)),
-    *_both_sides("leg_front_upper", (0.37, -0.66, 1.42), (0.37, -0.70, 0.70), "chest"),
-    *_both_sides("leg_front_lower", (0.37, -0.70, 0.70), (0.37, -0.68, 0.02), "leg_front_upper"),
-    *_both_sides("leg_back_upper", (0.37, 0.74, 1.42), (0.37, 0.70, 0.70), "hips"),
-    *_both_sides("leg_back_lower", (0.37, 0.70, 0.70), (0.37, 0.72, 0.02), "leg_back_upper"),
+    *both_sides("ear", (0.40, -1.30, 2.15), (0.86, -0.78, 1.95), "head", (0, 0, 1)),
+    *both_sides("leg_front_upper", (0.40, -0.66, 1.42), (0.40, -0.70, 0.70), "chest"),
+    *both_sides("leg_front_lower", (0.40, -0.70, 0.70), (0.40, -0.68, 0.02), "leg_front_upper"),
+    *both_sides("leg_back_upper", (0.40, 0.74, 1.42), (0.40, 0.70, 0.70), "hips"),
+    *both_sides("leg_back_lower", (0.40, 0.70, 0.70), (0.40, 0.72, 0.02), "leg_back_upper"),
 ]
 BONE = {bone.name: bone for bone in BONES}
 PART_BONES: dict[str, list[str]] = {

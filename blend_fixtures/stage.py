@@ -13,14 +13,16 @@ from .character import Character
 Colour = tuple[float, float, float]
 """Linear RGB."""
 
-BACKGROUND: Colour = (0.62, 0.67, 0.72)
-GROUND: Colour = (0.50, 0.52, 0.52)
+BACKGROUND: Colour = (0.66, 0.70, 0.74)
+GROUND: Colour = (0.80, 0.79, 0.76)
+PAINT = "paint"
+STUDIO_LIGHT = "paint.sl"
 MARGIN = 1.12
 """Picture size over the character's size in it."""
 
 
-def make_material(name: str, colour: Colour, roughness: float = 0.6) -> bpy.types.Material:
-    """A plain material that Workbench, EEVEE and Cycles show alike."""
+def make_material(name: str, colour: Colour, roughness: float = 0.6, use_paint: bool = False) -> bpy.types.Material:
+    """A plain material that Workbench, EEVEE and Cycles show alike; `use_paint` takes the colours of `paint` instead."""
     material = bpy.data.materials.new(name)
     material.diffuse_color = (*colour, 1.0)
     material.roughness = roughness
@@ -29,14 +31,33 @@ def make_material(name: str, colour: Colour, roughness: float = 0.6) -> bpy.type
     shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
     shader.inputs["Base Color"].default_value = (*colour, 1.0)
     shader.inputs["Roughness"].default_value = roughness
+    if use_paint:
+        attribute = material.node_tree.nodes.new("ShaderNodeVertexColor")
+        attribute.layer_name = PAINT
+        attribute.location = (-220.0, 250.0)
+        material.node_tree.links.new(attribute.outputs["Color"], shader.inputs["Base Color"])
     return material
 
 
+def paint(mesh: bpy.types.Mesh, colours: np.ndarray) -> None:
+    """Give each vertex a colour (N, 3)."""
+    attribute = mesh.color_attributes.new(PAINT, "FLOAT_COLOR", "POINT")
+    opaque = np.concatenate([colours, np.ones((len(colours), 1))], axis=1)
+    attribute.data.foreach_set("color", opaque.astype(np.float32).ravel())
+    mesh.color_attributes.active_color = attribute
+    mesh.color_attributes.render_color_index = 0
+
+
 def set_stage(
-    character: Character, view: tuple[float, float], ground: bool = False, lens: float = 60.0
+    character: Character,
+    view: tuple[float, float],
+    ground: bool = False,
+    is_painted: bool = False,
+    lens: float = 60.0,
 ) -> None:
     """Light the scene and aim a camera that holds the whole animation.
 
+    is_painted: Workbench shows `paint` in place of materials.
     view: the camera's heading about Z (0 looks along +Y, at a face turned to -Y) and its height, in degrees.
     """
     scene = bpy.context.scene
@@ -49,7 +70,8 @@ def set_stage(
         _add_ground()
     shading = scene.display.shading
     shading.light = "STUDIO"
-    shading.color_type = "MATERIAL"
+    shading.studio_light = STUDIO_LIGHT
+    shading.color_type = "VERTEX" if is_painted else "MATERIAL"
     shading.show_cavity = True
     shading.cavity_type = "WORLD"
     shading.show_shadows = ground
@@ -80,6 +102,7 @@ def _add_camera(character: Character, view: tuple[float, float], lens: float) ->
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
     scene.collection.objects.link(camera)
     camera.data.lens = lens
+    camera.data.clip_end = 1000.0
     rotation = Euler((radians(90.0 - view[1]), 0.0, radians(view[0])))
     points = animated_positions(character).reshape(-1, 3) @ np.array(rotation.to_matrix())
     # In camera axes a point is inside when |x - cx| <= (cz - z) * tangent, likewise y: the tightest cx, cy, cz.
@@ -118,9 +141,10 @@ def _add_world() -> None:
 
 def _add_ground() -> None:
     mesh = bpy.data.meshes.new("ground")
-    size = 60.0
+    size = 400.0
     mesh.from_pydata([(-size, -size, 0), (size, -size, 0), (size, size, 0), (-size, size, 0)], [], [(0, 1, 2, 3)])
     mesh.materials.append(make_material("ground", GROUND, 0.9))
+    paint(mesh, np.tile(GROUND, (4, 1)))
     ground = bpy.data.objects.new("ground", mesh)
     ground.hide_select = True
     bpy.context.scene.collection.objects.link(ground)

@@ -26,9 +26,7 @@ def subdivide(points: np.ndarray, quads: np.ndarray) -> tuple[np.ndarray, np.nda
 
     face_index = vertex_count + edge_count + np.arange(len(quads))
     edge_index = vertex_count + quad_edges
-    children = [
-        np.stack([quads[:, c], edge_index[:, c], face_index, edge_index[:, c - 1]], axis=1) for c in range(4)
-    ]
+    children = [np.stack([quads[:, c], edge_index[:, c], face_index, edge_index[:, c - 1]], axis=1) for c in range(4)]
     fine = np.stack(children, axis=1).reshape(-1, 4)
     return np.concatenate([vertex_points, edge_points, face_points]), fine, np.repeat(np.arange(len(quads)), 4)
 
