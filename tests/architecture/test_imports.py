@@ -1,0 +1,92 @@
+"""Who may import whom (docs/ARCHITECTURE.md)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from sources import REPOSITORY, imported_modules, python_files
+
+BLENDER = {"bpy", "bmesh", "mathutils", "gpu", "gpu_extras", "blf", "bl_ui", "bpy_extras", "addon_utils"}
+
+# Part of the extension -> the parts it may import besides itself. A part is a module or package directly in addon/.
+ALLOWED_PARTS = {
+    "logic": set(),
+    "scene": set(),
+    "properties": set(),
+    "runtime": set(),
+    "panels": {"properties", "runtime"},
+    "overlays": {"properties", "runtime"},
+    "migrations": {"properties", "scene"},
+    "handlers": {"logic", "scene", "properties", "runtime", "migrations"},
+    "operators": {"logic", "scene", "properties", "runtime", "handlers"},
+    "registration": {
+        "logic",
+        "scene",
+        "properties",
+        "runtime",
+        "migrations",
+        "handlers",
+        "operators",
+        "panels",
+        "overlays",
+    },
+    "__init__": {"registration"},
+}
+
+
+def part_of(path: Path) -> str:
+    """The part of the extension that a file belongs to."""
+    return path.relative_to(REPOSITORY / "addon").parts[0].removesuffix(".py")
+
+
+def roots(modules: set[str]) -> set[str]:
+    """First names of dotted names."""
+    return {module.partition(".")[0] for module in modules}
+
+
+def addon_files() -> list[Path]:
+    return python_files("addon")
+
+
+def name_of(path: Path) -> str:
+    return str(path.relative_to(REPOSITORY))
+
+
+def test_every_part_of_the_extension_has_a_rule():
+    assert {part_of(path) for path in addon_files()} <= ALLOWED_PARTS.keys()
+
+
+@pytest.mark.parametrize("path", addon_files(), ids=name_of)
+def test_part_imports_only_what_it_may(path: Path):
+    own = part_of(path)
+    parts = {module.split(".")[1] for module in imported_modules(path) if module.startswith("addon.")}
+    assert parts & ALLOWED_PARTS.keys() <= ALLOWED_PARTS[own] | {own}
+
+
+@pytest.mark.parametrize("path", python_files("addon/logic"), ids=name_of)
+def test_logic_runs_without_blender(path: Path):
+    assert not roots(imported_modules(path)) & BLENDER
+
+
+@pytest.mark.parametrize("path", python_files("addon/scene"), ids=name_of)
+def test_scene_does_not_compute(path: Path):
+    assert "turgor" not in roots(imported_modules(path))
+
+
+@pytest.mark.parametrize("path", python_files("rust/python"), ids=name_of)
+def test_engine_knows_neither_blender_nor_the_extension(path: Path):
+    assert not roots(imported_modules(path)) & (BLENDER | {"addon"})
+
+
+@pytest.mark.parametrize("path", python_files("addon"), ids=name_of)
+def test_extension_imports_itself_relatively(path: Path):
+    absolute = {"addon", *ALLOWED_PARTS} - {"__init__"}
+    lines = path.read_text(encoding="utf-8").splitlines()
+    assert not [line for line in lines if line.split()[:1] in (["import"], ["from"]) and line.split()[1] in absolute]
+
+
+def test_core_crate_depends_on_neither_python_nor_blender():
+    manifest = (REPOSITORY / "rust/core/Cargo.toml").read_text(encoding="utf-8")
+    assert "pyo3" not in manifest
+    assert "numpy" not in manifest
