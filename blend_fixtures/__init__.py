@@ -1,7 +1,6 @@
 """Scene fixtures, modelled, rigged and animated by script.
 
-build("elephant")                     into the current, empty Blender file
-python -m blend_fixtures OUT_DIR      one .blend per fixture
+`build("elephant")` works in the current, empty Blender file; `python -m blend_fixtures OUT_DIR` writes one .blend each.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""python -m blend_fixtures OUT_DIR [name ...]"""
+"""Write the scene fixtures as .blend files."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from . import NAMES, write
 
 
 def main() -> None:
+    """Run the command line."""
     parser = argparse.ArgumentParser(prog="python -m blend_fixtures", description=__doc__)
     parser.add_argument("directory", nargs="?", type=Path, metavar="OUT_DIR", help="where the .blend files go")
     parser.add_argument("names", nargs="*", metavar="name", help="fixtures to write; all if none is named")

@@ -11,6 +11,7 @@ ELBOW = Tube(joints=[(0, 0, 0), (0, 0, 1), (0, 0, 2)], radius=0.25, spacing=0.04
 
 
 def build() -> Character:
+    """The animated tube, ready to render."""
     character = build_tube("bent_cylinder", ELBOW, ["upper", "lower"])
     character.body.data.materials.append(make_material("clay", (0.75, 0.36, 0.22)))
     key_poses(character.armature, {1: {"lower": (0, 0, 0)}, 48: {"lower": (90, 0, 0)}})

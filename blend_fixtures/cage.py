@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import cos, radians, sin
 
 import numpy as np
@@ -49,6 +50,7 @@ class Surface:
     parts: list[str]
 
     def joined(self, other: Surface) -> Surface:
+        """Both as one mesh; nothing is welded."""
         quads = np.concatenate([self.quads, other.quads + len(self.points)])
         return Surface(np.concatenate([self.points, other.points]), quads, self.parts + other.parts)
 
@@ -59,6 +61,7 @@ class Surface:
         return mask
 
     def mirrored(self) -> Surface:
+        """The other side's twin, still wound outward."""
         return Surface(self.points * [-1, 1, 1], self.quads[:, ::-1], self.parts)
 
 
@@ -70,14 +73,17 @@ class Cage:
         self.faces: dict[Loop | tuple[int, ...], str] = {}
 
     def add_points(self, points: np.ndarray) -> Loop:
+        """Indices of the new points (K, 3)."""
         first = len(self.points)
         self.points.extend(np.asarray(points, dtype=float))
         return list(range(first, len(self.points)))
 
     def add_face(self, face: Sequence[int], part: str) -> None:
+        """A quad, counter-clockwise seen from outside."""
         self.faces[tuple(face)] = part
 
     def remove_face(self, corners: set[int]) -> None:
+        """Open the face with these corners."""
         face = next(face for face in self.faces if set(face) == corners)
         del self.faces[face]
 
@@ -128,15 +134,15 @@ class Cage:
 class Loft:
     """A body through stations from the rump to the tip of the nose, in a cage."""
 
-    def __init__(self, cage: Cage, stations: Sequence[Station], part_of: Callable[[int, int], str]) -> None:
-        """part_of(segment, column) names a face's part."""
+    def __init__(self, cage: Cage, stations: Sequence[Station], part_of: Callable[[int], str]) -> None:
+        """part_of(segment) names the part of a ring of faces."""
         self.cage = cage
         self.rings = [cage.add_points(station.ring()) for station in stations]
-        for segment, (rear, front) in enumerate(zip(self.rings, self.rings[1:], strict=False)):
+        for segment, (rear, front) in enumerate(pairwise(self.rings)):
             for column in range(COLUMNS):
                 following = (column + 1) % COLUMNS
                 quad = (rear[column], front[column], front[following], rear[following])
-                cage.add_face(quad, part_of(segment, column))
+                cage.add_face(quad, part_of(segment))
 
     def close_rear(self, part: str, bulge: float = 0.0) -> list[Loop]:
         """The grid, 3 wide and 2 high, of the rear cap; row 0 is on top."""
@@ -144,13 +150,16 @@ class Loft:
         return self.cage.fill(ring[8:] + ring[:8], 3, 2, part, (0, bulge, 0))
 
     def close_front(self, part: str, bulge: Sequence[float] = (0, 0, 0)) -> list[Loop]:
+        """The grid of the front cap, wound outward."""
         ring = self.rings[-1]
         loop = [ring[(1 - step) % COLUMNS] for step in range(COLUMNS)]
         return self.cage.fill(loop, 3, 2, part, bulge)
 
     def open_patch(self, segments: range, columns: range, side: int = 1) -> tuple[Loop, list[Square]]:
-        """Remove a patch of left faces (or their mirror image); its loop, and each loop vertex on [-1, 1]²:
-        first from rear to front, second from top to bottom."""
+        """Remove a patch of left faces, or its mirror image; its loop, and each loop vertex on [-1, 1]².
+
+        The first coordinate goes from rear to front, the second from top to bottom.
+        """
         first, last, top, bottom = segments.start, segments.stop, columns.start, columns.stop
 
         def vertex(ring: int, column: int) -> int:

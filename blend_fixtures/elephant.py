@@ -7,7 +7,7 @@ from math import cos, pi, sin
 import numpy as np
 
 from .cage import Cage, Loft, Station, Surface, ellipse
-from .character import Bone, Character, Point, both_sides, make_character, make_mesh, side_name
+from .character import Bone, Character, both_sides, make_character, make_mesh, side_name
 from .gait import Leg, walk_pose
 from .posing import Pose, key_cycle
 from .shells import ball, horn
@@ -40,7 +40,7 @@ LEG_COLUMNS = range(2, 4)
 HIND_SEGMENTS = range(1, 3)
 FRONT_SEGMENTS = range(5, 7)
 EAR_SEGMENTS = range(8, 9)
-EAR_COLUMNS = range(0, 3)
+EAR_COLUMNS = range(3)
 JAW_SEGMENTS = range(10, 11)
 JAW_COLUMNS = range(4, 5)
 NECK_SEGMENT = 7
@@ -48,6 +48,7 @@ TRUNK_SEGMENT = 11
 
 
 def build() -> Character:
+    """The walking animal, ready to render."""
     surface = body_surface()
     for side in (1, -1):
         tusk = horn([(0.20, -1.80, 1.66), (0.25, -2.02, 1.46), (0.27, -2.30, 1.42)], [0.055, 0.05, 0.02], "tusk")
@@ -63,13 +64,16 @@ def build() -> Character:
         mesh.materials.append(make_material(name, colour, roughness))
     slots = {"tusk": 1, "eye": 2}
     mesh.polygons.foreach_set("material_index", np.array([slots.get(part, 0) for part in surface.parts], np.int32))
-    character = make_character("elephant", mesh, BONES, heat_weights(surface, BONES, PART_BONES))
-    key_cycle(character.armature, FRAME_COUNT, 16, pose_at, "hips", hips_offset_at)
+    character = make_character(
+        "elephant", mesh, BONES, heat_weights(surface, BONES, PART_BONES, narrowest=0.13, widest=0.36, midline=0.3)
+    )
+    key_cycle(character.armature, FRAME_COUNT, 16, pose_at, "hips", body_rise_at)
     set_stage(character, view=(48.0, 9.0), ground=True)
     return character
 
 
 def body_surface() -> Surface:
+    """The body without its eyes: one closed shell."""
     cage = Cage()
     loft = Loft(cage, STATIONS, _part_of)
     rump = loft.close_rear("torso", bulge=0.05)
@@ -83,7 +87,7 @@ def body_surface() -> Surface:
     return cage.surface(levels=2)
 
 
-def _part_of(segment: int, column: int) -> str:
+def _part_of(segment: int) -> str:
     if segment >= TRUNK_SEGMENT:
         return "trunk"
     if segment >= NECK_SEGMENT:
@@ -183,36 +187,33 @@ PART_BONES: dict[str, list[str]] = {
 }
 
 LEGS = [
-    Leg(BONE[f"leg_{pair}_upper{end}"], BONE[f"leg_{pair}_lower{end}"], phase, 0.56, lift)
+    Leg(BONE[f"leg_{pair}_upper{end}"], BONE[f"leg_{pair}_lower{end}"], phase, 0.72, lift)
     for pair, end, phase, lift in (
-        ("back", ".L", 0.00, 0.26),
-        ("front", ".L", 0.25, 0.50),
-        ("back", ".R", 0.50, 0.26),
-        ("front", ".R", 0.75, 0.34),
+        ("back", ".L", 0.00, 0.36),
+        ("front", ".L", 0.25, 0.54),
+        ("back", ".R", 0.50, 0.36),
+        ("front", ".R", 0.75, 0.42),
     )
 ]
 
 
-def hips_offset_at(cycle: float) -> Point:
-    """Bone space of the hips: their Z axis points down... see `body_rise_at`."""
-    return (0.0, 0.0, body_rise_at(cycle))
-
-
 def body_rise_at(cycle: float) -> float:
-    return -0.05 + 0.015 * cos(4 * pi * cycle)
+    """Metres above rest, lowest when two feet have just touched down."""
+    return -0.10 + 0.025 * cos(4 * pi * cycle)
 
 
 def pose_at(cycle: float) -> Pose:
+    """All angles at a moment of the cycle, 0 to 1."""
     wave = 2 * pi * cycle
     # The left front foot is highest at cycle 0.08: there the trunk curls most.
     curl = (0.5 + 0.5 * cos(wave - 2 * pi * 0.08)) ** 1.5
     swing = sin(wave)
     pose = {
-        "chest": (1.5 * sin(2 * wave), 0.0, 2.0 * swing),
-        "head": (6.0 * cos(2 * wave) - 10.0 * curl, 0.0, 0.0),
-        "trunk.001": (14.0 - 62.0 * curl, 0.0, 6.0 * swing),
-        "trunk.002": (6.0 - 62.0 * curl, 0.0, 10.0 * swing),
-        "trunk.003": (-8.0 - 72.0 * curl, 0.0, 12.0 * swing),
+        "chest": (2.0 * sin(2 * wave), 0.0, 5.0 * swing),
+        "head": (9.0 * cos(2 * wave) + 6.0 - 22.0 * curl, 0.0, -5.0 * swing),
+        "trunk.001": (16.0 - 76.0 * curl, 0.0, 6.0 * swing),
+        "trunk.002": (8.0 - 70.0 * curl, 0.0, 10.0 * swing),
+        "trunk.003": (-6.0 - 66.0 * curl, 0.0, 12.0 * swing),
         "tail": (8.0, 0.0, 16.0 * sin(wave + 0.6)),
         "ear.L": (-12.0 - 16.0 * sin(2 * wave), 0.0, 0.0),
         "ear.R": (12.0 + 16.0 * sin(2 * wave), 0.0, 0.0),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .character import Character
-from .posing import key_poses
+from .posing import Pose, key_poses
 from .stage import make_material, set_stage
 from .tube import Tube, build_tube
 
@@ -16,13 +16,17 @@ CHAIN = Tube(
 BONES = ["chain.001", "chain.002", "chain.003", "chain.004"]
 
 
+STRAIGHT: Pose = dict.fromkeys(BONES, (0.0, 0.0, 0.0))
+
+
 def build() -> Character:
+    """The animated tube, ready to render."""
     character = build_tube("four_bone_chain", CHAIN, BONES)
     character.body.data.materials.append(make_material("slate_blue", (0.24, 0.36, 0.60)))
     key_poses(
         character.armature,
         {
-            1: {name: (0, 0, 0) for name in BONES},
+            1: STRAIGHT,
             20: {
                 "chain.001": (0, 0, 10),
                 "chain.002": (50, 0, 20),
@@ -35,7 +39,7 @@ def build() -> Character:
                 "chain.003": (40, -40, 35),
                 "chain.004": (-70, 0, 20),
             },
-            60: {name: (0, 0, 0) for name in BONES},
+            60: STRAIGHT,
         },
     )
     set_stage(character, view=(25.0, 14.0))

@@ -55,6 +55,7 @@ class Leg:
 
 
 def walk_pose(legs: Sequence[Leg], cycle: float, body_rise: float) -> Pose:
+    """Angles of all legs at a moment of the cycle, 0 to 1."""
     pose: dict[str, tuple[float, float, float]] = {}
     for leg in legs:
         pose.update(leg.pose(cycle, body_rise))

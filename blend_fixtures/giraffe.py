@@ -7,7 +7,7 @@ from math import cos, pi, sin
 import numpy as np
 
 from .cage import Cage, Loft, Station, Surface, ellipse
-from .character import Bone, Character, Point, both_sides, make_character, make_mesh, side_name
+from .character import Bone, Character, both_sides, make_character, make_mesh, side_name
 from .gait import Leg, walk_pose
 from .patches import patch_strength
 from .posing import Pose, key_cycle
@@ -49,13 +49,14 @@ STATIONS = [
 LEG_COLUMNS = range(3, 4)
 HIND_SEGMENTS = range(1, 3)
 FRONT_SEGMENTS = range(4, 6)
-HORN_SEGMENTS, HORN_COLUMNS = range(15, 16), range(0, 1)
+HORN_SEGMENTS, HORN_COLUMNS = range(15, 16), range(1)
 EAR_SEGMENTS, EAR_COLUMNS = range(14, 15), range(1, 2)
 NECK_SEGMENT = 6
 HEAD_SEGMENT = 14
 
 
 def build() -> Character:
+    """The walking animal, ready to render."""
     surface = body_surface()
     for side in (1, -1):
         eye = ball((0.128, -1.73, 4.10), 0.042, "eye")
@@ -63,13 +64,16 @@ def build() -> Character:
     mesh = make_mesh("giraffe", surface.points, surface.quads)
     mesh.materials.append(make_material("giraffe_coat", OCHRE, 0.6, use_paint=True))
     paint(mesh, _colours(surface))
-    character = make_character("giraffe", mesh, BONES, heat_weights(surface, BONES, PART_BONES))
-    key_cycle(character.armature, FRAME_COUNT, 32, pose_at, "hips", hips_offset_at)
+    character = make_character(
+        "giraffe", mesh, BONES, heat_weights(surface, BONES, PART_BONES, narrowest=0.12, widest=0.22, midline=0.25)
+    )
+    key_cycle(character.armature, FRAME_COUNT, 32, pose_at, "hips", body_rise_at)
     set_stage(character, view=(58.0, 7.0), ground=True, is_painted=True)
     return character
 
 
 def body_surface() -> Surface:
+    """The body without its eyes: one closed shell."""
     cage = Cage()
     loft = Loft(cage, STATIONS, _part_of)
     rump = loft.close_rear("torso", bulge=0.03)
@@ -83,7 +87,7 @@ def body_surface() -> Surface:
     return cage.surface(levels=1)
 
 
-def _part_of(segment: int, column: int) -> str:
+def _part_of(segment: int) -> str:
     if segment >= HEAD_SEGMENT:
         return "head"
     if segment >= NECK_SEGMENT:
@@ -185,35 +189,33 @@ PART_BONES: dict[str, list[str]] = {
 }
 
 LEGS = [
-    Leg(BONE[f"leg_{pair}_upper{end}"], BONE[f"leg_{pair}_lower{end}"], phase, 0.62, lift)
+    Leg(BONE[f"leg_{pair}_upper{end}"], BONE[f"leg_{pair}_lower{end}"], phase, 0.70, lift)
     for pair, end, phase, lift in (
-        ("back", ".L", 0.00, 0.28),
-        ("front", ".L", 0.18, 0.36),
-        ("back", ".R", 0.50, 0.28),
-        ("front", ".R", 0.68, 0.36),
+        ("back", ".L", 0.00, 0.34),
+        ("front", ".L", 0.18, 0.44),
+        ("back", ".R", 0.50, 0.34),
+        ("front", ".R", 0.68, 0.44),
     )
 ]
 
 
-def hips_offset_at(cycle: float) -> Point:
-    return (0.0, 0.0, body_rise_at(cycle))
-
-
 def body_rise_at(cycle: float) -> float:
-    return -0.06 + 0.015 * cos(4 * pi * STEPS * cycle)
+    """Metres above rest, lowest when two feet have just touched down."""
+    return -0.10 + 0.02 * cos(4 * pi * STEPS * cycle)
 
 
 def pose_at(cycle: float) -> Pose:
+    """All angles at a moment of the cycle, 0 to 1."""
     wave = 2 * pi * cycle
     step = STEPS * wave
     bow = 0.5 - 0.5 * cos(wave)
     nod = 3.0 * sin(2 * step)
     pose = {
         "chest": (1.0 * sin(2 * step), 0.0, 1.5 * sin(step)),
-        "neck.001": (-4.0 + 38.0 * bow + nod, 0.0, 3.0 * sin(step)),
-        "neck.002": (40.0 * bow, 0.0, 8.0 * sin(wave)),
-        "neck.003": (-4.0 + 36.0 * bow, 0.0, 10.0 * sin(wave)),
-        "head": (4.0 - 18.0 * bow - nod, 0.0, 0.0),
+        "neck.001": (-4.0 + 46.0 * bow + nod, 0.0, 3.0 * sin(step)),
+        "neck.002": (50.0 * bow, 0.0, 8.0 * sin(wave)),
+        "neck.003": (-4.0 + 46.0 * bow, 0.0, 10.0 * sin(wave)),
+        "head": (4.0 - 26.0 * bow - nod, 0.0, 0.0),
         "tail": (8.0, 0.0, 18.0 * sin(step + 0.6)),
     }
     return {**pose, **walk_pose(LEGS, STEPS * cycle % 1.0, body_rise_at(cycle))}

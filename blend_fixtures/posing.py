@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from math import radians
 
 import bpy
+from mathutils import Vector
 
 Angles = tuple[float, float, float]
 """Bend, twist, sideways: degrees about the bone's local X, Y and Z."""
@@ -13,6 +14,7 @@ Pose = Mapping[str, Angles]
 
 
 def set_frame_range(first: int, last: int, fps: int = 24) -> None:
+    """The frames that play, both ends included."""
     scene = bpy.context.scene
     scene.frame_start, scene.frame_end = first, last
     scene.render.fps = fps
@@ -40,9 +42,9 @@ def key_cycle(
     keys: int,
     pose_at: Callable[[float], Pose],
     root: str,
-    root_offset_at: Callable[[float], Sequence[float]],
+    root_rise_at: Callable[[float], float],
 ) -> None:
-    """Key a cyclic action: `pose_at` and `root_offset_at` (metres, bone space) have period one.
+    """Key a cyclic action: `pose_at` and `root_rise_at` (metres upward, the root bone's) have period one.
 
     Frame `frame_count + 1` repeats frame 1 and lies outside the scene's range.
     """
@@ -51,7 +53,7 @@ def key_cycle(
         phase = (key % keys) / keys
         key_pose(armature, frame, pose_at(phase))
         bone = armature.pose.bones[root]
-        bone.location = root_offset_at(phase)
+        bone.location = bone.bone.matrix_local.to_3x3().inverted() @ Vector((0.0, 0.0, root_rise_at(phase)))
         bone.keyframe_insert("location", frame=frame)
     set_frame_range(1, frame_count)
     bpy.context.scene.frame_set(1)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 Grid = list[list[int]]
@@ -39,6 +41,6 @@ def grid_quads(grid: Grid) -> list[tuple[int, int, int, int]]:
     """Quads of a grid of vertex indices, row by row, wound as the boundary runs."""
     return [
         (upper[column], upper[column + 1], lower[column + 1], lower[column])
-        for upper, lower in zip(grid, grid[1:], strict=False)
+        for upper, lower in pairwise(grid)
         for column in range(len(upper) - 1)
     ]

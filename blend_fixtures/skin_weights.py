@@ -1,6 +1,6 @@
 """Blend weights by heat diffusion over the surface [BP07], each part of the body warmed by its own bones only.
 
-Solves (L + H) w = H p: L the surface Laplacian, H = area × heat / distance² to the nearest allowed bone, p = 1 there.
+Solves (L + H) w = H p: L the surface Laplacian, H = area / distance² to the nearest allowed bone, p = 1 there.
 Transitions are as wide as the limb is thick. Written out, because Blender's own bone heat leaks between legs, fails on
 small closed shells and may change between versions.
 """
@@ -23,9 +23,18 @@ RESIDUAL = 1e-11
 
 
 def heat_weights(
-    surface: Surface, bones: Sequence[Bone], part_bones: Mapping[str, Sequence[str]], heat: float = 1.0
+    surface: Surface,
+    bones: Sequence[Bone],
+    part_bones: Mapping[str, Sequence[str]],
+    narrowest: float,
+    widest: float,
+    midline: float,
 ) -> np.ndarray:
-    """Weights (N, bone count), rows summing to one, four influences at most. More heat: narrower transitions."""
+    """Weights (N, bone count), rows summing to one, four influences at most.
+
+    narrowest, widest: bounds in metres on the width of a transition, which is else the distance to the bone.
+    midline: width in metres of the strip on either side of x = 0 in which the bones of that side fade out.
+    """
     allowed = _allowed_bones(surface, bones, part_bones)
     distances = np.stack([_segment_distance(surface.points, bone) for bone in bones], axis=1)
     distances = np.where(allowed, distances, np.inf)
@@ -33,8 +42,9 @@ def heat_weights(
     sources = (distances <= nearest * (1 + TIE)).astype(float)
     sources /= sources.sum(axis=1, keepdims=True)
     areas, edges, conductances = _surface_laplacian(surface)
-    heating = areas * heat / np.maximum(nearest[:, 0], 1e-3) ** 2
-    return _limited(_diffuse(edges, conductances, heating, sources))
+    heating = areas / np.clip(nearest[:, 0], narrowest, widest) ** 2
+    weights = _diffuse(edges, conductances, heating, sources)
+    return _limited(weights * _side_share(surface.points, bones, midline))
 
 
 def _allowed_bones(surface: Surface, bones: Sequence[Bone], part_bones: Mapping[str, Sequence[str]]) -> np.ndarray:
@@ -97,11 +107,22 @@ def _diffuse(edges: np.ndarray, conductances: np.ndarray, heating: np.ndarray, s
     raise ArithmeticError("heat diffusion did not converge: is part of the surface without bones?")
 
 
+def _side_share(points: np.ndarray, bones: Sequence[Bone], midline: float) -> np.ndarray:
+    """One for central bones; those of one side reach neither the midline nor the other side: (N, bone count)."""
+    share = np.ones((len(points), len(bones)))
+    for index, bone in enumerate(bones):
+        if bone.name.endswith((".L", ".R")):
+            t = np.clip(points[:, 0] * (1 if bone.name.endswith(".L") else -1) / midline, 0.0, 1.0)
+            share[:, index] = t * t * (3 - 2 * t)
+    return share
+
+
 def _limited(weights: np.ndarray) -> np.ndarray:
-    """The largest influences, rounded to six digits so that the last bits of a machine do not show; sums are one."""
-    kept = np.round(np.where(weights >= SMALLEST_WEIGHT, weights, 0.0), 6)
-    smallest_kept = np.sort(kept, axis=1)[:, -MAX_INFLUENCES:][:, :1]
-    kept[kept < smallest_kept] = 0.0
-    surplus = np.argsort(-kept, axis=1, kind="stable")[:, MAX_INFLUENCES:]
-    np.put_along_axis(kept, surplus, 0.0, axis=1)
+    """At most MAX_INFLUENCES per vertex, sums one.
+
+    The next largest weight is subtracted from all, so that an influence fades out and never breaks off. Rounded to six
+    digits: the last bits of a machine do not show.
+    """
+    surplus = np.sort(weights, axis=1)[:, -MAX_INFLUENCES - 1, None] if weights.shape[1] > MAX_INFLUENCES else 0.0
+    kept = np.round(np.maximum(weights - np.maximum(surplus, SMALLEST_WEIGHT), 0.0), 6)
     return kept / kept.sum(axis=1, keepdims=True)

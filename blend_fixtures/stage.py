@@ -22,7 +22,7 @@ MARGIN = 1.12
 
 
 def make_material(name: str, colour: Colour, roughness: float = 0.6, use_paint: bool = False) -> bpy.types.Material:
-    """A plain material that Workbench, EEVEE and Cycles show alike; `use_paint` takes the colours of `paint` instead."""
+    """A plain material that Workbench, EEVEE and Cycles show alike; `use_paint` takes colours from `paint`."""
     material = bpy.data.materials.new(name)
     material.diffuse_color = (*colour, 1.0)
     material.roughness = roughness

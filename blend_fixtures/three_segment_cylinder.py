@@ -11,6 +11,7 @@ FINGER = Tube(joints=[(0, 0, 0), (0, 0, 0.9), (0, 0, 1.7), (0, 0, 2.4)], radius=
 
 
 def build() -> Character:
+    """The animated tube, ready to render."""
     character = build_tube("three_segment_cylinder", FINGER, ["base", "middle", "tip"])
     character.body.data.materials.append(make_material("sage", (0.33, 0.50, 0.33)))
     key_poses(

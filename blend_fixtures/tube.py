@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -12,6 +13,8 @@ from .quads import fill_loop, grid_boundary, grid_quads
 
 SIDES = 32
 """Divisible by four: the caps are square grids."""
+ROUNDING = 1.8
+"""Half the window over radius: less folds the inner side of a sharp corner."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +98,7 @@ def chain_weights(tube: Tube, arc_lengths: np.ndarray) -> np.ndarray:
         t = np.clip((arc_lengths - joint_length) / (2 * tube.blend) + 0.5, 0.0, 1.0)
         reached.append(t * t * (3 - 2 * t))
     reached.append(np.zeros_like(arc_lengths))
-    return np.stack([here - there for here, there in zip(reached, reached[1:], strict=False)], axis=1)
+    return np.stack([here - there for here, there in pairwise(reached)], axis=1)
 
 
 def _joint_lengths(tube: Tube) -> np.ndarray:
@@ -104,10 +107,10 @@ def _joint_lengths(tube: Tube) -> np.ndarray:
 
 
 def _rounded_polyline(tube: Tube, arc_lengths: np.ndarray) -> np.ndarray:
-    """The polyline averaged over a window of the tube's diameter; the ends keep their places."""
+    """The polyline averaged over a window of ROUNDING diameters; the ends keep their places."""
     joints = np.asarray(tube.joints, dtype=float)
     joint_lengths = _joint_lengths(tube)
-    reach = np.minimum(tube.radius, np.minimum(arc_lengths, joint_lengths[-1] - arc_lengths))
+    reach = np.minimum(ROUNDING * tube.radius, np.minimum(arc_lengths, joint_lengths[-1] - arc_lengths))
     window = np.linspace(-1.0, 1.0, 41)
     samples = arc_lengths[:, None] + reach[:, None] * window
     return np.stack([np.interp(samples, joint_lengths, joints[:, axis]).mean(axis=1) for axis in range(3)], axis=1)

@@ -1,4 +1,4 @@
-"""A straight tube of four bones, twisted to 180 degrees: spread over the joints, at one joint, through straight poses."""
+"""A straight tube twisted to 180 degrees: over three joints, at one joint, and through straight poses."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ BONES = ["twist.001", "twist.002", "twist.003", "twist.004"]
 
 
 def build() -> Character:
+    """The animated tube, ready to render."""
     character = build_tube("twist_chain", CHAIN, BONES)
     character.body.data.materials.append(make_material("plum", (0.45, 0.22, 0.42)))
     key_poses(
@@ -35,4 +36,4 @@ def build() -> Character:
 
 def _spread(bend: float, twist: float) -> Pose:
     """The same angles, in degrees, at all three inner joints."""
-    return {name: (bend, twist, 0) for name in BONES[1:]}
+    return dict.fromkeys(BONES[1:], (bend, twist, 0.0))
