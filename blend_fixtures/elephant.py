@@ -52,7 +52,7 @@ def build() -> Character:
     surface = body_surface()
     for side in (1, -1):
         tusk = horn([(0.20, -1.80, 1.66), (0.25, -2.02, 1.46), (0.27, -2.30, 1.42)], [0.055, 0.05, 0.02], "tusk")
-        eye = ball((0.352, -1.66, 2.03), 0.045, "eye")
+        eye = ball((0.352, -1.66, 2.03), 0.05, "eye", levels=2)
         for shell in (tusk, eye):
             surface = surface.joined(shell if side > 0 else shell.mirrored())
     mesh = make_mesh("elephant", surface.points, surface.quads)
@@ -133,7 +133,7 @@ def _add_jaw(cage: Cage, loft: Loft) -> None:
     loop, squares = loft.open_patch(JAW_SEGMENTS, JAW_COLUMNS)
     rings = [
         ellipse(squares, (0, -forward, height), (0, -length, 0.35 * length), (-width, 0, 0))
-        for forward, height, length, width in ((1.72, 1.55, 0.10, 0.13), (1.80, 1.44, 0.06, 0.085))
+        for forward, height, length, width in ((1.57, 1.56, 0.085, 0.13), (1.64, 1.44, 0.055, 0.085))
     ]
     cage.add_face(cage.draw_out(loop, rings, "head"), "head")
 
@@ -206,11 +206,11 @@ def pose_at(cycle: float) -> Pose:
     """All angles at a moment of the cycle, 0 to 1."""
     wave = 2 * pi * cycle
     # The left front foot is highest at cycle 0.08: there the trunk curls most.
-    curl = (0.5 + 0.5 * cos(wave - 2 * pi * 0.08)) ** 1.5
+    curl = (0.5 + 0.5 * cos(wave - 2 * pi * 0.08)) ** 1.2
     swing = sin(wave)
     pose = {
-        "chest": (2.0 * sin(2 * wave), 0.0, 5.0 * swing),
-        "head": (9.0 * cos(2 * wave) + 6.0 - 22.0 * curl, 0.0, -5.0 * swing),
+        "chest": (2.0 * sin(2 * wave), 0.0, 3.5 * swing),
+        "head": (9.0 * cos(2 * wave) + 6.0 - 22.0 * curl, 0.0, -3.5 * swing),
         "trunk.001": (16.0 - 76.0 * curl, 0.0, 6.0 * swing),
         "trunk.002": (8.0 - 70.0 * curl, 0.0, 10.0 * swing),
         "trunk.003": (-6.0 - 66.0 * curl, 0.0, 12.0 * swing),

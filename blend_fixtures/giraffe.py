@@ -68,7 +68,7 @@ def build() -> Character:
         "giraffe", mesh, BONES, heat_weights(surface, BONES, PART_BONES, narrowest=0.12, widest=0.22, midline=0.25)
     )
     key_cycle(character.armature, FRAME_COUNT, 32, pose_at, "hips", body_rise_at)
-    set_stage(character, view=(58.0, 7.0), ground=True, is_painted=True)
+    set_stage(character, view=(58.0, 7.0), ground=True, is_painted=True, resolution=(720, 720))
     return character
 
 
@@ -201,7 +201,7 @@ LEGS = [
 
 def body_rise_at(cycle: float) -> float:
     """Metres above rest, lowest when two feet have just touched down."""
-    return -0.10 + 0.02 * cos(4 * pi * STEPS * cycle)
+    return -0.07 + 0.02 * cos(4 * pi * STEPS * cycle)
 
 
 def pose_at(cycle: float) -> Pose:

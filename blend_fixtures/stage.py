@@ -54,6 +54,7 @@ def set_stage(
     ground: bool = False,
     is_painted: bool = False,
     lens: float = 60.0,
+    resolution: tuple[int, int] = (960, 640),
 ) -> None:
     """Light the scene and aim a camera that holds the whole animation.
 
@@ -61,7 +62,7 @@ def set_stage(
     view: the camera's heading about Z (0 looks along +Y, at a face turned to -Y) and its height, in degrees.
     """
     scene = bpy.context.scene
-    scene.render.resolution_x, scene.render.resolution_y = 960, 640
+    scene.render.resolution_x, scene.render.resolution_y = resolution
     _add_camera(character, view, lens)
     _add_light("sun", "SUN", 3.0, (48.0, 0.0, view[0] + 38.0))
     _add_light("fill", "SUN", 0.8, (62.0, 0.0, view[0] - 65.0))
