@@ -132,8 +132,8 @@ def _add_ear(cage: Cage, loft: Loft, side: int) -> None:
 def _add_jaw(cage: Cage, loft: Loft) -> None:
     loop, squares = loft.open_patch(JAW_SEGMENTS, JAW_COLUMNS)
     rings = [
-        ellipse(squares, (0, -forward, height), (0, -length, 0.35 * length), (-width, 0, 0))
-        for forward, height, length, width in ((1.57, 1.56, 0.085, 0.13), (1.64, 1.44, 0.055, 0.085))
+        ellipse(squares, (0, -forward, height), (0, -length, 0.45 * length), (-width, 0, 0))
+        for forward, height, length, width in ((1.60, 1.565, 0.085, 0.15), (1.715, 1.475, 0.045, 0.09))
     ]
     cage.add_face(cage.draw_out(loop, rings, "head"), "head")
 
@@ -148,7 +148,7 @@ def _add_tail(cage: Cage, rump: list[list[int]]) -> None:
             (1.36, 1.76, 0.085, 0.75, 0.65),
             (1.46, 1.42, 0.055, 0.97, 0.2),
             (1.50, 1.06, 0.04, 1.0, 0.1),
-            (1.52, 0.86, 0.05, 1.0, 0.1),
+            (1.52, 0.84, 0.062, 1.0, 0.1),
         )
     ]
     cage.add_face(cage.draw_out(loop, rings, "tail"), "tail")
