@@ -60,7 +60,7 @@ demo: dist/.extension .fixtures/.ready $(NEWEST)/.ready ## pictures and figures 
 	$(NEWEST)/bin/python -m demo $(if $(FILE),"$(FILE)",.fixtures/elephant.blend) --extension dist/*.zip --output demo_out
 
 .fixtures/.ready: $(FIXTURE_SOURCES) $(NEWEST)/.ready
-	$(NEWEST)/bin/python -m blend_fixtures --output .fixtures
+	$(NEWEST)/bin/python -m blend_fixtures .fixtures
 	touch $@
 
 # ---- judge it ------------------------------------------------------------------------------------------------------

@@ -37,10 +37,8 @@ def extension_tool() -> Path:
 def filled_manifest(manifest: str, version: str, wheels: list[Path]) -> str:
     """The manifest with the workspace's version and the list of wheels."""
     listed = "".join(f'  "./wheels/{wheel.name}",\n' for wheel in wheels)
-    without_wheels = re.sub(r"^wheels = \[.*?\]\n", "", manifest, flags=re.MULTILINE | re.DOTALL)
-    versioned = re.sub(r'^version = ".*"$', f'version = "{version}"', without_wheels, flags=re.MULTILINE)
-    head, *tables = re.split(r"^(?=\[)", versioned, flags=re.MULTILINE)
-    return "".join([head.rstrip("\n"), f"\n\nwheels = [\n{listed}]\n\n", *tables])
+    versioned = re.sub(r'^version = ".*"$', f'version = "{version}"', manifest, flags=re.MULTILINE)
+    return versioned.replace("\nwheels = []\n", f"\nwheels = [\n{listed}]\n")
 
 
 def stage(directory: Path, wheels: list[Path]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -42,7 +43,11 @@ def test_no_build_product_is_kept():
 
 
 def test_version_stands_once():
-    """The workspace's version is inherited by both crates, read by maturin and filled into the manifest."""
+    """The workspace's version is inherited by both crates and read by maturin; the manifest agrees."""
     for crate in ("core", "python"):
         assert "version.workspace = true" in (REPOSITORY / "rust" / crate / "Cargo.toml").read_text(encoding="utf-8")
     assert 'dynamic = ["version"]' in (REPOSITORY / "pyproject.toml").read_text(encoding="utf-8")
+    with (REPOSITORY / "Cargo.toml").open("rb") as file:
+        version = tomllib.load(file)["workspace"]["package"]["version"]
+    with (REPOSITORY / "addon/blender_manifest.toml").open("rb") as file:
+        assert tomllib.load(file)["version"] == version

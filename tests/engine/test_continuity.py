@@ -39,7 +39,7 @@ def largest_step(body: turgor.VolumeSkin, rig: Rig, motion: Motion, step_count: 
 @pytest.mark.parametrize("solver", ["simultaneous", "sequential"])
 @pytest.mark.parametrize("preset", ["isotropic", "rubber", "muscle", "folds", "belly"])
 @pytest.mark.parametrize("motion", [swing_through_straight, wheel_around_straight, straight_twist])
-def test_half_the_time_step_is_half_the_vertex_step(motion: Motion, preset: str, solver):
+def test_half_the_time_step_is_half_the_vertex_step(motion: Motion, preset: turgor.presets.PresetName, solver):
     rig = limb()
     joints = [turgor.presets.joint(preset, bone) for bone in range(rig.bone_count)]
     body = rig.body(joints=joints, solver=solver)

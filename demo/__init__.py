@@ -1,0 +1,1 @@
+"""The demonstration: a character played with and without Turgor in real Blender, measured, pictured, reported."""
