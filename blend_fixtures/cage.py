@@ -179,7 +179,9 @@ class Loft:
         return [vertex(ring, column) for ring, column in steps], squares
 
 
-def ellipse(squares: Sequence[Square], centre: Sequence[float], u: Sequence[float], v: Sequence[float]) -> np.ndarray:
+def ellipse(
+    squares: Sequence[Square], centre: Sequence[float], u: Sequence[float] | np.ndarray, v: Sequence[float] | np.ndarray
+) -> np.ndarray:
     """A limb's ring: loop vertices moved from the square to the ellipse of half-axes u and v."""
     disc = np.array(squares)
     disc = disc / np.linalg.norm(disc, axis=1, keepdims=True)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import bpy
 import numpy as np
 from mathutils import Vector
+
+from .datablocks import data_of, of_kind, pose_of
 
 Point = tuple[float, float, float]
 LEFT: Point = (1.0, 0.0, 0.0)
@@ -51,7 +53,7 @@ def both_sides(name: str, head: Point, tail: Point, parent: str, bend_axis: Poin
     ]
 
 
-def make_mesh(name: str, points: np.ndarray, faces: Sequence[Sequence[int]]) -> bpy.types.Mesh:
+def make_mesh(name: str, points: np.ndarray, faces: Iterable[Sequence[int]] | np.ndarray) -> bpy.types.Mesh:
     """A smooth-shaded mesh of points (N, 3) and faces."""
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(points.tolist(), [], [tuple(int(i) for i in face) for face in faces])
@@ -62,20 +64,21 @@ def make_mesh(name: str, points: np.ndarray, faces: Sequence[Sequence[int]]) -> 
 
 def make_armature(name: str, bones: Sequence[Bone]) -> bpy.types.Object:
     """An armature object, linked to the scene, all bones deforming, Euler angles in pose."""
-    armature = bpy.data.objects.new(name, bpy.data.armatures.new(name))
+    skeleton = bpy.data.armatures.new(name)
+    armature = bpy.data.objects.new(name, skeleton)
     bpy.context.scene.collection.objects.link(armature)
     bpy.context.view_layer.objects.active = armature
     bpy.ops.object.mode_set(mode="EDIT")
     for bone in bones:
-        edit_bone = armature.data.edit_bones.new(bone.name)
+        edit_bone = skeleton.edit_bones.new(bone.name)
         edit_bone.head, edit_bone.tail = bone.head, bone.tail
-        edit_bone.align_roll(Vector(bone.bend_axis).cross(edit_bone.tail - edit_bone.head))
+        edit_bone.align_roll(Vector(np.cross(bone.bend_axis, np.subtract(bone.tail, bone.head)).tolist()))
         if bone.parent is not None:
-            parent = armature.data.edit_bones[bone.parent]
+            parent = skeleton.edit_bones[bone.parent]
             edit_bone.parent = parent
             edit_bone.use_connect = (parent.tail - edit_bone.head).length < 1e-6
     bpy.ops.object.mode_set(mode="OBJECT")
-    for pose_bone in armature.pose.bones:
+    for pose_bone in pose_of(armature).bones:
         pose_bone.rotation_mode = "XYZ"
     return armature
 
@@ -84,11 +87,11 @@ def make_character(name: str, mesh: bpy.types.Mesh, bones: Sequence[Bone], weigh
     """Mesh and bones, bound by blend weights (N, bone count), rows summing to one."""
     armature = make_armature(f"{name}_rig", bones)
     armature.show_in_front = True
-    armature.data.display_type = "STICK"
+    data_of(armature, bpy.types.Armature).display_type = "STICK"
     body = bpy.data.objects.new(name, mesh)
     bpy.context.scene.collection.objects.link(body)
     body.parent = armature
-    modifier = body.modifiers.new("Armature", "ARMATURE")
+    modifier = of_kind(body.modifiers.new("Armature", "ARMATURE"), bpy.types.ArmatureModifier)
     modifier.object = armature
     for bone, column in zip(bones, weights.T, strict=True):
         group = body.vertex_groups.new(name=bone.name)

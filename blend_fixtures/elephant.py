@@ -9,10 +9,11 @@ import numpy as np
 from .cage import Cage, Loft, Station, Surface, ellipse
 from .character import Bone, Character, both_sides, make_character, make_mesh, side_name
 from .gait import Leg, walk_pose
+from .materials import make_material
 from .posing import Pose, key_cycle
 from .shells import ball, horn
 from .skin_weights import heat_weights
-from .stage import make_material, set_stage
+from .stage import set_stage
 
 FRAME_COUNT = 48
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from .character import Character
+from .materials import make_material
 from .posing import Pose, key_poses
-from .stage import make_material, set_stage
+from .stage import set_stage
 from .tube import Tube, build_tube
 
 CHAIN = Tube(
@@ -21,8 +22,7 @@ STRAIGHT: Pose = dict.fromkeys(BONES, (0.0, 0.0, 0.0))
 
 def build() -> Character:
     """The animated tube, ready to render."""
-    character = build_tube("four_bone_chain", CHAIN, BONES)
-    character.body.data.materials.append(make_material("slate_blue", (0.24, 0.36, 0.60)))
+    character = build_tube("four_bone_chain", CHAIN, BONES, make_material("slate_blue", (0.24, 0.36, 0.60)))
     key_poses(
         character.armature,
         {

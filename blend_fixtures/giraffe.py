@@ -9,11 +9,12 @@ import numpy as np
 from .cage import Cage, Loft, Station, Surface, ellipse
 from .character import Bone, Character, both_sides, make_character, make_mesh, side_name
 from .gait import Leg, walk_pose
+from .materials import Colour, make_material, paint
 from .patches import patch_strength
 from .posing import Pose, key_cycle
 from .shells import CORNERS, ball
 from .skin_weights import heat_weights
-from .stage import Colour, make_material, paint, set_stage
+from .stage import set_stage
 
 FRAME_COUNT = 96
 STEPS = 2

@@ -8,6 +8,8 @@ from math import radians
 import bpy
 from mathutils import Vector
 
+from .datablocks import pose_of
+
 Angles = tuple[float, float, float]
 """Bend, twist, sideways: degrees about the bone's local X, Y and Z."""
 Pose = Mapping[str, Angles]
@@ -23,7 +25,7 @@ def set_frame_range(first: int, last: int, fps: int = 24) -> None:
 def key_pose(armature: bpy.types.Object, frame: int, pose: Pose) -> None:
     """Key the rotations of the bones named in `pose`."""
     for name, angles in pose.items():
-        bone = armature.pose.bones[name]
+        bone = pose_of(armature).bones[name]
         bone.rotation_euler = tuple(radians(angle) for angle in angles)
         bone.keyframe_insert("rotation_euler", frame=frame)
 
@@ -52,7 +54,7 @@ def key_cycle(
         frame = 1 + frame_count * key // keys
         phase = (key % keys) / keys
         key_pose(armature, frame, pose_at(phase))
-        bone = armature.pose.bones[root]
+        bone = pose_of(armature).bones[root]
         bone.location = bone.bone.matrix_local.to_3x3().inverted() @ Vector((0.0, 0.0, root_rise_at(phase)))
         bone.keyframe_insert("location", frame=frame)
     set_frame_range(1, frame_count)

@@ -1,4 +1,4 @@
-"""Camera, lights, ground, materials: what makes a render of a fixture look good as it is."""
+"""Camera, lights, ground: what makes a render of a fixture look good as it is."""
 
 from __future__ import annotations
 
@@ -9,43 +9,14 @@ import numpy as np
 from mathutils import Euler, Vector
 
 from .character import Character
-
-Colour = tuple[float, float, float]
-"""Linear RGB."""
+from .datablocks import data_of, of_kind
+from .materials import Colour, make_material, paint, set_input
 
 BACKGROUND: Colour = (0.66, 0.70, 0.74)
 GROUND: Colour = (0.80, 0.79, 0.76)
-PAINT = "paint"
 STUDIO_LIGHT = "paint.sl"
 MARGIN = 1.12
 """Picture size over the character's size in it."""
-
-
-def make_material(name: str, colour: Colour, roughness: float = 0.6, use_paint: bool = False) -> bpy.types.Material:
-    """A plain material that Workbench, EEVEE and Cycles show alike; `use_paint` takes colours from `paint`."""
-    material = bpy.data.materials.new(name)
-    material.diffuse_color = (*colour, 1.0)
-    material.roughness = roughness
-    if material.node_tree is None:
-        material.use_nodes = True
-    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
-    shader.inputs["Base Color"].default_value = (*colour, 1.0)
-    shader.inputs["Roughness"].default_value = roughness
-    if use_paint:
-        attribute = material.node_tree.nodes.new("ShaderNodeVertexColor")
-        attribute.layer_name = PAINT
-        attribute.location = (-220.0, 250.0)
-        material.node_tree.links.new(attribute.outputs["Color"], shader.inputs["Base Color"])
-    return material
-
-
-def paint(mesh: bpy.types.Mesh, colours: np.ndarray) -> None:
-    """Give each vertex a colour (N, 3)."""
-    attribute = mesh.color_attributes.new(PAINT, "FLOAT_COLOR", "POINT")
-    opaque = np.concatenate([colours, np.ones((len(colours), 1))], axis=1)
-    attribute.data.foreach_set("color", opaque.astype(np.float32).ravel())
-    mesh.color_attributes.active_color = attribute
-    mesh.color_attributes.render_color_index = 0
 
 
 def set_stage(
@@ -64,8 +35,8 @@ def set_stage(
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = resolution
     _add_camera(character, view, lens)
-    _add_light("sun", "SUN", 3.0, (48.0, 0.0, view[0] + 38.0))
-    _add_light("fill", "SUN", 0.8, (62.0, 0.0, view[0] - 65.0))
+    _add_sun("sun", 3.0, (48.0, 0.0, view[0] + 38.0))
+    _add_sun("fill", 0.8, (62.0, 0.0, view[0] - 65.0))
     _add_world()
     if ground:
         _add_ground()
@@ -90,8 +61,9 @@ def animated_positions(character: Character, step: int = 2) -> np.ndarray:
     for frame in range(scene.frame_start, scene.frame_end + 1, step):
         scene.frame_set(frame)
         evaluated = character.body.evaluated_get(bpy.context.evaluated_depsgraph_get())
-        positions = np.empty(len(evaluated.data.vertices) * 3, dtype=np.float32)
-        evaluated.data.attributes["position"].data.foreach_get("vector", positions)
+        mesh = data_of(evaluated, bpy.types.Mesh)
+        positions = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
+        of_kind(mesh.attributes["position"], bpy.types.FloatVectorAttribute).data.foreach_get("vector", positions)
         world = np.array(evaluated.matrix_world)
         frames.append(positions.reshape(-1, 3).astype(float) @ world[:3, :3].T + world[:3, 3])
     scene.frame_set(scene.frame_start)
@@ -100,14 +72,15 @@ def animated_positions(character: Character, step: int = 2) -> np.ndarray:
 
 def _add_camera(character: Character, view: tuple[float, float], lens: float) -> None:
     scene = bpy.context.scene
-    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    optics = bpy.data.cameras.new("camera")
+    optics.lens = lens
+    optics.clip_end = 1000.0
+    camera = bpy.data.objects.new("camera", optics)
     scene.collection.objects.link(camera)
-    camera.data.lens = lens
-    camera.data.clip_end = 1000.0
     rotation = Euler((radians(90.0 - view[1]), 0.0, radians(view[0])))
     points = animated_positions(character).reshape(-1, 3) @ np.array(rotation.to_matrix())
     # In camera axes a point is inside when |x - cx| <= (cz - z) * tangent, likewise y: the tightest cx, cy, cz.
-    tangent_x = camera.data.sensor_width / (2 * lens) / MARGIN
+    tangent_x = optics.sensor_width / (2 * lens) / MARGIN
     tangent_y = tangent_x * scene.render.resolution_y / scene.render.resolution_x
     centre, distance = [], []
     for axis, tangent in ((0, tangent_x), (1, tangent_y)):
@@ -120,10 +93,11 @@ def _add_camera(character: Character, view: tuple[float, float], lens: float) ->
     scene.camera = camera
 
 
-def _add_light(name: str, kind: str, energy: float, rotation_degrees: tuple[float, float, float]) -> None:
-    light = bpy.data.objects.new(name, bpy.data.lights.new(name, kind))
-    light.data.energy = energy
-    light.data.angle = radians(6.0)
+def _add_sun(name: str, energy: float, rotation_degrees: tuple[float, float, float]) -> None:
+    sun = of_kind(bpy.data.lights.new(name, "SUN"), bpy.types.SunLight)
+    sun.energy = energy
+    sun.angle = radians(6.0)
+    light = bpy.data.objects.new(name, sun)
     light.rotation_euler = tuple(radians(angle) for angle in rotation_degrees)
     light.location = (0.0, 0.0, 6.0)
     bpy.context.scene.collection.objects.link(light)
@@ -134,9 +108,10 @@ def _add_world() -> None:
     world.color = BACKGROUND
     if world.node_tree is None:
         world.use_nodes = True
-    background = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
-    background.inputs["Color"].default_value = (*BACKGROUND, 1.0)
-    background.inputs["Strength"].default_value = 0.7
+    tree = of_kind(world.node_tree, bpy.types.NodeTree)
+    background = next(node for node in tree.nodes if node.type == "BACKGROUND")
+    set_input(background, "Color", (*BACKGROUND, 1.0))
+    set_input(background, "Strength", 0.7)
     bpy.context.scene.world = world
 
 

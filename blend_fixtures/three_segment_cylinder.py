@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from .character import Character
+from .materials import make_material
 from .posing import key_poses
-from .stage import make_material, set_stage
+from .stage import set_stage
 from .tube import Tube, build_tube
 
 FINGER = Tube(joints=[(0, 0, 0), (0, 0, 0.9), (0, 0, 1.7), (0, 0, 2.4)], radius=0.22, spacing=0.04, blend=0.22)
@@ -12,8 +13,9 @@ FINGER = Tube(joints=[(0, 0, 0), (0, 0, 0.9), (0, 0, 1.7), (0, 0, 2.4)], radius=
 
 def build() -> Character:
     """The animated tube, ready to render."""
-    character = build_tube("three_segment_cylinder", FINGER, ["base", "middle", "tip"])
-    character.body.data.materials.append(make_material("sage", (0.33, 0.50, 0.33)))
+    character = build_tube(
+        "three_segment_cylinder", FINGER, ["base", "middle", "tip"], make_material("sage", (0.33, 0.50, 0.33))
+    )
     key_poses(
         character.armature,
         {

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+import bpy
 import numpy as np
 
 from .character import Bone, Character, Point, make_character, make_mesh
@@ -30,7 +31,7 @@ class Tube:
     blend: float
 
 
-def build_tube(name: str, tube: Tube, bone_names: Sequence[str]) -> Character:
+def build_tube(name: str, tube: Tube, bone_names: Sequence[str], material: bpy.types.Material) -> Character:
     """A tube bound to one bone per segment; bone X axes are as near to the world's X as they can be."""
     joints = np.asarray(tube.joints, dtype=float)
     bones = []
@@ -48,7 +49,9 @@ def build_tube(name: str, tube: Tube, bone_names: Sequence[str]) -> Character:
             )
         )
     points, faces, arc_lengths = tube_mesh(tube)
-    return make_character(name, make_mesh(name, points, faces), bones, chain_weights(tube, arc_lengths))
+    mesh = make_mesh(name, points, faces)
+    mesh.materials.append(material)
+    return make_character(name, mesh, bones, chain_weights(tube, arc_lengths))
 
 
 def tube_mesh(tube: Tube) -> tuple[np.ndarray, list[tuple[int, ...]], np.ndarray]:

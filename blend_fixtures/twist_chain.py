@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from .character import Character
+from .materials import make_material
 from .posing import Pose, key_poses
-from .stage import make_material, set_stage
+from .stage import set_stage
 from .tube import Tube, build_tube
 
 CHAIN = Tube(joints=[(0, 0, 0.6 * joint) for joint in range(5)], radius=0.2, spacing=0.04, blend=0.25)
@@ -13,8 +14,7 @@ BONES = ["twist.001", "twist.002", "twist.003", "twist.004"]
 
 def build() -> Character:
     """The animated tube, ready to render."""
-    character = build_tube("twist_chain", CHAIN, BONES)
-    character.body.data.materials.append(make_material("plum", (0.45, 0.22, 0.42)))
+    character = build_tube("twist_chain", CHAIN, BONES, make_material("plum", (0.45, 0.22, 0.42)))
     key_poses(
         character.armature,
         {
