@@ -133,8 +133,8 @@ def opening(character: str, hero: ObjectReport | None) -> tuple[str, str]:
     before = percent(hero.max_relative_volume_error_before)
     after = percent(hero.max_relative_volume_error_after)
     return f"{escape(name)} keeps its volume", (
-        f'Bent by its armature alone, <b>{escape(hero.object)}</b> is off by <b class="before">{before}</b> at worst. With '
-        f'Turgor in the modifier stack it is off by <b class="after">{after}</b>, over {hero.frames} frames.'
+        f'Bent by its armature alone, <b>{escape(hero.object)}</b> is off by <b class="before">{before}</b> at worst. '
+        f'With Turgor in the modifier stack it is off by <b class="after">{after}</b>, over {hero.frames} frames.'
     )
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import bpy
-from mathutils import Quaternion, Vector
+from mathutils import Matrix, Vector
 
 # Frames played in all; with many actions each gets an even part, but never fewer than the second number.
 FRAME_COUNT = 240
@@ -66,7 +66,8 @@ def random_poses(armature: bpy.types.Object) -> bpy.types.Action:
         for bone in armature.pose.bones:
             axis = Vector([generator.gauss(0.0, 1.0) for _ in range(3)])
             bone.rotation_mode = "QUATERNION"
-            bone.rotation_quaternion = Quaternion(axis, generator.uniform(-LARGEST_ANGLE, LARGEST_ANGLE))
+            angle = generator.uniform(-LARGEST_ANGLE, LARGEST_ANGLE)
+            bone.rotation_quaternion = Matrix.Rotation(angle, 3, axis).to_quaternion()
             bone.keyframe_insert("rotation_quaternion", frame=frame)
     return animation.action
 

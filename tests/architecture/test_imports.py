@@ -10,6 +10,7 @@ from sources import REPOSITORY, imported_modules, python_files
 BLENDER = {"bpy", "bmesh", "mathutils", "gpu", "gpu_extras", "blf", "bl_ui", "bpy_extras", "addon_utils"}
 
 # Part of the extension -> the parts it may import besides itself. A part is a module or package directly in addon/.
+JOINING = {"logic", "scene", "properties", "runtime"}
 ALLOWED_PARTS = {
     "logic": set(),
     "scene": set(),
@@ -18,21 +19,13 @@ ALLOWED_PARTS = {
     "panels": {"properties", "runtime"},
     "overlays": {"properties", "runtime"},
     "migrations": {"properties", "scene"},
-    "handlers": {"logic", "scene", "properties", "runtime", "migrations"},
-    "operators": {"logic", "scene", "properties", "runtime", "handlers"},
-    "registration": {
-        "logic",
-        "scene",
-        "properties",
-        "runtime",
-        "migrations",
-        "handlers",
-        "operators",
-        "panels",
-        "overlays",
-    },
-    "__init__": {"registration"},
+    "live": JOINING,
+    "handlers": JOINING | {"live", "migrations"},
+    "operators": JOINING | {"live"},
+    # Without an engine only the panel that says so is shown.
+    "__init__": {"registration", "panels"},
 }
+ALLOWED_PARTS["registration"] = ALLOWED_PARTS.keys() - {"__init__"}
 
 
 def part_of(path: Path) -> str:
