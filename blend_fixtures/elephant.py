@@ -58,7 +58,7 @@ def build() -> Character:
             surface = surface.joined(shell if side > 0 else shell.mirrored())
     mesh = make_mesh("elephant", surface.points, surface.quads)
     for name, colour, roughness in (
-        ("elephant_skin", (0.42, 0.395, 0.37), 0.75),
+        ("elephant_skin", (0.36, 0.325, 0.295), 0.75),
         ("ivory", (0.83, 0.77, 0.64), 0.35),
         ("eye", (0.03, 0.02, 0.02), 0.15),
     ):

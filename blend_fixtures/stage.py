@@ -35,8 +35,8 @@ def set_stage(
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = resolution
     _add_camera(character, view, lens)
-    _add_sun("sun", 3.0, (48.0, 0.0, view[0] + 38.0))
-    _add_sun("fill", 0.8, (62.0, 0.0, view[0] - 65.0))
+    _add_sun("sun", 1.9, (48.0, 0.0, view[0] + 38.0))
+    _add_sun("fill", 0.5, (62.0, 0.0, view[0] - 65.0))
     _add_world()
     if ground:
         _add_ground()
@@ -75,13 +75,14 @@ def _add_camera(character: Character, view: tuple[float, float], lens: float) ->
     optics = bpy.data.cameras.new("camera")
     optics.lens = lens
     optics.clip_end = 1000.0
+    optics.sensor_fit = "VERTICAL"
     camera = bpy.data.objects.new("camera", optics)
     scene.collection.objects.link(camera)
     rotation = Euler((radians(90.0 - view[1]), 0.0, radians(view[0])))
     points = animated_positions(character).reshape(-1, 3) @ np.array(rotation.to_matrix())
     # In camera axes a point is inside when |x - cx| <= (cz - z) * tangent, likewise y: the tightest cx, cy, cz.
-    tangent_x = optics.sensor_width / (2 * lens) / MARGIN
-    tangent_y = tangent_x * scene.render.resolution_y / scene.render.resolution_x
+    tangent_y = optics.sensor_height / (2 * lens) / MARGIN
+    tangent_x = tangent_y * scene.render.resolution_x / scene.render.resolution_y
     centre, distance = [], []
     for axis, tangent in ((0, tangent_x), (1, tangent_y)):
         above = (points[:, axis] + tangent * points[:, 2]).max()
@@ -111,7 +112,7 @@ def _add_world() -> None:
     tree = of_kind(world.node_tree, bpy.types.NodeTree)
     background = next(node for node in tree.nodes if node.type == "BACKGROUND")
     set_input(background, "Color", (*BACKGROUND, 1.0))
-    set_input(background, "Strength", 0.7)
+    set_input(background, "Strength", 0.5)
     bpy.context.scene.world = world
 
 
