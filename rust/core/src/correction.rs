@@ -1,0 +1,235 @@
+//! The fields that give volume back, one per joint and component, and how much of each [RHC09 §4, MATH §2–3].
+
+use glam::{DMat3, DVec3};
+
+use crate::joint::{Joint, Shares};
+use crate::profile::{BELL_WIDTH, bell};
+use crate::volume_loss::Motions;
+
+/// Sine of the bend at which half of the volume follows the joint's frame, half needs none.
+const FRAME_BEND: f64 = 0.2;
+/// Largest displacement by one field, in joint lengths: beyond it the volume goes to a wider field.
+const DISPLACEMENT_MAX: f64 = 0.15;
+/// An axis, or a profile, whose hold is below this part of the whole hold hands its share over, smoothly.
+const HOLD_MIN: f64 = 1e-3;
+/// Volume of a joint's vicinity over its length cubed: what a loss is compared with to fold.
+const VICINITY_VOLUME: f64 = 0.1;
+
+/// How one joint's field lies in space in one frame.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct FieldFrame {
+    origin: DVec3,
+    /// e0, e1, e2.
+    axes: [DVec3; 3],
+    inverse_length: f64,
+    /// Part of the volume that goes along the axes.
+    frame_part: f64,
+    /// Whether the joint shapes its field by the frame at all.
+    has_frame: bool,
+    /// How far folds have set in, 0..1.
+    folded: f64,
+    displacement_max: f64,
+    pub is_active: bool,
+}
+
+impl FieldFrame {
+    /// The frame of a joint in this pose; `volume` is what it is to give back.
+    pub fn new(motions: &Motions, joint: usize, settings: &Joint, length: f64, volume: f64) -> Self {
+        let tree = &motions.tree;
+        let own = motions.channels[joint];
+        let parent = motions.channels[tree.parents[joint] as usize];
+        let length = length * parent.matrix3.determinant().abs().cbrt();
+        let mut frame = Self {
+            origin: own.transform_point3(tree.heads[joint]) - motions.palette.origin,
+            inverse_length: 1.0 / length,
+            displacement_max: DISPLACEMENT_MAX * length,
+            is_active: volume != 0.0 && length > 0.0 && length.is_finite(),
+            ..Self::default()
+        };
+        if settings.profiles.is_none() && settings.shares == Shares::Auto {
+            return frame;
+        }
+        frame.has_frame = true;
+        if let Some((_, loss)) = settings.profiles.as_ref().and_then(|p| p.folded.as_ref()) {
+            frame.folded = (volume.abs() / (loss * VICINITY_VOLUME * length.powi(3))).min(1.0);
+        }
+        let along = tree.along_parent[joint].and_then(|v| (parent.matrix3 * v).try_normalize());
+        let own_direction = tree.along_own[joint].and_then(|v| (own.matrix3 * v).try_normalize());
+        if let (Some(e0), Some(direction)) = (along, own_direction) {
+            let bend = e0.cross(direction);
+            if let Some(e1) = bend.try_normalize() {
+                frame.axes = [e0, e1, e1.cross(e0)];
+                let sine_squared = bend.length_squared();
+                frame.frame_part = sine_squared / (sine_squared + FRAME_BEND * FRAME_BEND);
+            }
+        }
+        frame
+    }
+
+    /// Parts of the volume for e0, e1, e2 and the frame-free rest, each solved on the mesh so far.
+    pub fn ordered_shares(&self, hold: &Hold, shares: Shares) -> [f64; 4] {
+        let total: f64 = hold.along.iter().sum();
+        let part = if self.has_frame && total > 0.0 { self.frame_part } else { 0.0 };
+        let axes = match shares {
+            Shares::Axes(shares) => shares,
+            Shares::Auto if total > 0.0 => hold.along.map(|a| a / total),
+            Shares::Auto => [0.0; 3],
+        };
+        [axes[0] * part, axes[1] * part, axes[2] * part, 1.0 - part]
+    }
+
+    /// The frame of one step of `ordered_shares`.
+    pub fn for_step(&self, step: usize) -> Self {
+        Self { has_frame: step < 3, frame_part: if step < 3 { 1.0 } else { 0.0 }, ..*self }
+    }
+
+    /// Heights of the joint's profile and of its bell at a point.
+    #[inline]
+    pub fn gamma(&self, settings: &Joint, p: DVec3) -> (f32, f32) {
+        let x = (p - self.origin) * self.inverse_length;
+        let round = bell(x.length_squared() / (BELL_WIDTH * BELL_WIDTH));
+        if self.frame_part == 0.0 {
+            return (0.0, round as f32);
+        }
+        let Some(profiles) = &settings.profiles else { return (round as f32, round as f32) };
+        let [a, b, c] = self.axes.map(|e| e.dot(x));
+        let mut height = profiles.axes[1].at(b) * profiles.axes[2].at(c);
+        if height > 0.0 {
+            let plain = profiles.axes[0].at(a);
+            height *= match &profiles.folded {
+                Some((folded, _)) => plain + (folded.at(a) - plain) * self.folded,
+                None => plain,
+            };
+        }
+        (height as f32, round as f32)
+    }
+}
+
+/// What a field could do: per unit of coefficient, the volume it adds and the most it moves a point.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Hold {
+    along: [f64; 3],
+    bell: f64,
+    pub all: f64,
+    along_most: [f64; 3],
+    bell_most: f64,
+    all_most: f64,
+}
+
+impl Hold {
+    /// Adds a point with gradient `g` and the joint's `weight` on it.
+    #[inline]
+    pub fn add(&mut self, frame: &FieldFrame, gamma: (f32, f32), weight: f32, g: DVec3) {
+        let weight = f64::from(weight);
+        let square = g.length_squared();
+        let most = weight * square.sqrt();
+        let round = f64::from(gamma.1);
+        self.all += weight * square;
+        self.all_most = self.all_most.max(most);
+        self.bell += weight * round * square;
+        self.bell_most = self.bell_most.max(most * round);
+        if gamma.0 > 0.0 {
+            let shaped = weight * f64::from(gamma.0);
+            for axis in 0..3 {
+                let slope = frame.axes[axis].dot(g);
+                self.along[axis] += shaped * slope * slope;
+                self.along_most[axis] = self.along_most[axis].max(shaped * slope.abs());
+            }
+        }
+    }
+
+    /// Adds another part of the same field.
+    pub fn join(&mut self, other: &Self) {
+        for axis in 0..3 {
+            self.along[axis] += other.along[axis];
+            self.along_most[axis] = self.along_most[axis].max(other.along_most[axis]);
+        }
+        self.bell += other.bell;
+        self.all += other.all;
+        self.bell_most = self.bell_most.max(other.bell_most);
+        self.all_most = self.all_most.max(other.all_most);
+    }
+}
+
+/// A joint's field in one component, ready to be applied: displacement = weight · matrix · gradient.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Field {
+    shaped: DMat3,
+    bell: f64,
+    all: f64,
+    /// Per unit of the residual, the same field.
+    pub residual: f64,
+    /// Volume the field adds, to first order.
+    pub volume: f64,
+    /// Bound on the displacement.
+    pub displacement: f64,
+    pub is_capped: bool,
+}
+
+impl Field {
+    /// The field that adds `volume`, shaped as far as the cap on displacements allows. What it leaves (`volume` minus
+    /// the field's own) is for a wider one.
+    pub fn new(frame: &FieldFrame, hold: &Hold, shares: Shares, volume: f64) -> Self {
+        let mut field = Self::default();
+        if hold.all <= 0.0 {
+            return field;
+        }
+        let most = frame.displacement_max;
+        let trust = |part: f64, whole: f64| part * part / (part * part + (HOLD_MIN * whole).powi(2));
+        let total: f64 = hold.along.iter().sum();
+        if frame.has_frame && total > 0.0 {
+            let wanted = volume * frame.frame_part * trust(total, hold.all);
+            let alpha = match shares {
+                Shares::Auto => [wanted / total; 3],
+                Shares::Axes(shares) => {
+                    let taken: [f64; 3] = std::array::from_fn(|i| shares[i] * trust(hold.along[i], total));
+                    let sum: f64 = taken.iter().sum();
+                    if sum > 0.0 {
+                        std::array::from_fn(|i| if taken[i] > 0.0 { wanted * taken[i] / (sum * hold.along[i]) } else { 0.0 })
+                    } else {
+                        [wanted / total; 3]
+                    }
+                }
+            };
+            let bound = (0..3).map(|i| (alpha[i] * hold.along_most[i]).powi(2)).sum::<f64>().sqrt();
+            let kept = part_within(most, bound);
+            field.is_capped |= kept < 1.0;
+            field.displacement += kept * bound;
+            field.volume += kept * (0..3).map(|i| alpha[i] * hold.along[i]).sum::<f64>();
+            for (e, a) in frame.axes.iter().zip(alpha) {
+                field.shaped += DMat3::from_cols(*e * e.x, *e * e.y, *e * e.z) * (a * kept);
+            }
+        }
+        if hold.bell > 0.0 {
+            let free = if frame.has_frame { 1.0 - frame.frame_part } else { 1.0 };
+            let wanted = volume * free * trust(hold.bell, hold.all);
+            let bound = (wanted / hold.bell * hold.bell_most).abs();
+            let kept = part_within(most, bound);
+            field.is_capped |= kept < 1.0;
+            field.displacement += kept * bound;
+            field.bell = kept * wanted / hold.bell;
+            field.volume += kept * wanted;
+        }
+        let wanted = volume - field.volume;
+        let bound = (wanted / hold.all * hold.all_most).abs();
+        let kept = part_within(most, bound);
+        field.displacement += kept * bound;
+        field.all = kept * wanted / hold.all;
+        field.volume += kept * wanted;
+        field
+    }
+
+    /// Displacement of a point with gradient `g`.
+    #[inline]
+    pub fn displacement_at(&self, gamma: (f32, f32), weight: f32, g: DVec3) -> DVec3 {
+        let mut u = g * (self.bell * f64::from(gamma.1) + self.all);
+        if gamma.0 > 0.0 {
+            u += self.shaped * g * f64::from(gamma.0);
+        }
+        u * f64::from(weight)
+    }
+}
+
+fn part_within(most: f64, bound: f64) -> f64 {
+    if bound > most { most / bound } else { 1.0 }
+}

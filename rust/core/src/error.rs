@@ -1,0 +1,62 @@
+//! Every way in which input can be refused: what was found, what is needed, what to do.
+
+/// Refused input. Nothing was computed and nothing was changed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages document the variants")]
+pub enum Error {
+    #[error("{what}: found {found} values, need {needed}: pass an array of that length")]
+    Length { what: &'static str, found: usize, needed: usize },
+    #[error("{what}: row {row} is not finite: remove NaN and infinity")]
+    NotFinite { what: &'static str, row: usize },
+    #[error("{what}: entry {row} is {found}, need an index below {limit}")]
+    Index { what: &'static str, row: usize, found: i64, limit: usize },
+    #[error("{what}: entry {row} is smaller than the one before: need offsets that never fall, starting at 0")]
+    Offsets { what: &'static str, row: usize },
+    #[error("face {face} has {found} corners, need at least 3: remove loose edges from the face list")]
+    Corners { face: usize, found: usize },
+    #[error("mesh has {found} vertices but was bound with {bound}: bind again")]
+    VertexCount { found: usize, bound: usize },
+    #[error("pose has {found} bones but was bound with {bound}: bind again")]
+    BoneCount { found: usize, bound: usize },
+    #[error("bone {bone} is its own ancestor: need parents without a cycle")]
+    Cycle { bone: usize },
+    #[error("object_from_armature has no inverse (determinant {determinant:e}): give every axis of the objects a scale other than 0")]
+    Singular { determinant: f64 },
+    #[error("{what} is {found}, need {needed}")]
+    Value { what: &'static str, found: f64, needed: &'static str },
+    #[error("bone {bone} is named by two joints: keep one")]
+    JointTwice { bone: usize },
+    #[error("component {component} is to gain {volume:e} but gamma lets nothing move its volume: widen gamma or turn the axes")]
+    NothingToMove { component: usize, volume: f64 },
+}
+
+/// Result of a call that checks its input.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Refuses arrays with rows that are not finite.
+pub(crate) fn check_finite(what: &'static str, rows: &[glam::DVec3]) -> Result<()> {
+    match rows.iter().position(|p| !p.is_finite()) {
+        Some(row) => Err(Error::NotFinite { what, row }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses CSR offsets that do not start at 0, fall, or end elsewhere than at `end`.
+pub(crate) fn check_offsets(what: &'static str, offsets: &[i32], end: usize) -> Result<()> {
+    if offsets.first() != Some(&0) {
+        return Err(Error::Offsets { what, row: 0 });
+    }
+    if let Some(row) = offsets.windows(2).position(|w| w[1] < w[0]) {
+        return Err(Error::Offsets { what, row: row + 1 });
+    }
+    let last = offsets[offsets.len() - 1] as usize;
+    if last == end { Ok(()) } else { Err(Error::Length { what, found: end, needed: last }) }
+}
+
+/// Refuses indices that are negative or not below `limit`.
+pub(crate) fn check_indices(what: &'static str, indices: &[i32], limit: usize) -> Result<()> {
+    match indices.iter().position(|&i| i < 0 || i as usize >= limit) {
+        Some(row) => Err(Error::Index { what, row, found: i64::from(indices[row]), limit }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,73 @@
+//! Settings of one joint, as the artist gives them.
+
+use crate::error::{Error, Result};
+use crate::profile::Profile;
+
+/// How the volume to add is shared among the joint's axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shares {
+    /// The least displacement: every axis by what it can take.
+    Auto,
+    /// Parts along e0 (the parent), e1 (axis of the bend), e2 (inside of the bend).
+    Axes([f64; 3]),
+}
+
+/// The three curves that shape a correction, along e0, e1, e2.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profiles {
+    /// One curve per axis.
+    pub axes: [Profile; 3],
+    /// Curve of axis 0 at full loss, and the loss, relative to the component, at which it is reached.
+    pub folded: Option<(Profile, f64)>,
+}
+
+/// How the volume lost at the joint at the head of `bone` is given back.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// Index into the skeleton.
+    pub bone: usize,
+    /// Parts of the volume per axis.
+    pub shares: Shares,
+    /// `None`: the isotropic bell.
+    pub profiles: Option<Profiles>,
+    /// Part of the loss given back.
+    pub strength: f64,
+    /// Factor on the automatic length.
+    pub size: f64,
+}
+
+impl Joint {
+    /// The isotropic preset, all given back.
+    pub fn isotropic(bone: usize) -> Self {
+        Self { bone, shares: Shares::Auto, profiles: None, strength: 1.0, size: 1.0 }
+    }
+
+    /// Checks what can be checked without a mesh; shares are normalised to sum 1.
+    ///
+    /// # Errors
+    /// Strength below 0, size not above 0, shares negative or all 0, values that are not finite.
+    pub fn checked(mut self) -> Result<Self> {
+        if !(self.strength >= 0.0 && self.strength.is_finite()) {
+            return Err(Error::Value { what: "strength", found: self.strength, needed: "a number of 0 or more" });
+        }
+        if !(self.size > 0.0 && self.size.is_finite()) {
+            return Err(Error::Value { what: "size", found: self.size, needed: "a number above 0" });
+        }
+        if let Shares::Axes(shares) = &mut self.shares {
+            let sum: f64 = shares.iter().sum();
+            if let Some(&found) = shares.iter().find(|s| !(**s >= 0.0 && s.is_finite())) {
+                return Err(Error::Value { what: "shares", found, needed: "three numbers of 0 or more" });
+            }
+            if sum <= 0.0 {
+                return Err(Error::Value { what: "sum of shares", found: sum, needed: "at least one share above 0" });
+            }
+            *shares = shares.map(|s| s / sum);
+        }
+        if let Some(Profiles { folded: Some((_, loss)), .. }) = &self.profiles
+            && !(*loss > 0.0 && loss.is_finite())
+        {
+            return Err(Error::Value { what: "folded_loss_relative", found: *loss, needed: "a number above 0" });
+        }
+        Ok(self)
+    }
+}

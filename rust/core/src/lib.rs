@@ -1,0 +1,40 @@
+//! Exact volume for skinned meshes.
+//!
+//! Pure geometry: knows neither Python nor Blender. Lengths are in the caller's units; f64 throughout.
+//! `MATH §n` in comments refers to the formulas collected in `docs/ARCHITECTURE.md`, [RHC09] to Rohmer, Hahmann, Cani:
+//! *Exact volume preserving skinning with shape control*, SCA 2009.
+
+mod binding;
+mod correction;
+mod csr;
+mod dual_quaternion;
+mod error;
+mod frame;
+mod joint;
+mod mesh;
+mod patches;
+mod profile;
+mod report;
+mod sites;
+mod skeleton;
+mod skinning;
+mod supports;
+mod surface;
+mod topology;
+mod union_find;
+mod volume;
+mod volume_loss;
+mod volume_skin;
+mod weld;
+
+pub use error::{Error, Result};
+pub use frame::{Pose, Workspace};
+pub use joint::{Joint, Profiles, Shares};
+pub use mesh::{Mesh, Target};
+pub use profile::Profile;
+pub use report::Report;
+pub use skeleton::Skeleton;
+pub use skinning::{Mode, Skinning};
+pub use topology::{Component, Status, Topology};
+pub use volume::VolumeCubic;
+pub use volume_skin::{Options, Solver, VolumeSkin};

@@ -1,0 +1,51 @@
+//! 1D curves drawn by the artist, and the bell they default to [RHC09 §5, MATH §4].
+
+use crate::error::{Error, Result};
+
+/// A curve over x in [-1, 1] of a joint's length, zero outside, from evenly spaced samples joined by straight lines.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile {
+    samples: Vec<f64>,
+    half_steps: f64,
+}
+
+impl Profile {
+    /// At least two samples; values below 0 count as 0.
+    ///
+    /// # Errors
+    /// Fewer than two samples, or samples that are not finite.
+    pub fn new(samples: &[f64]) -> Result<Self> {
+        if samples.len() < 2 {
+            return Err(Error::Length { what: "profile", found: samples.len(), needed: 2 });
+        }
+        if let Some(row) = samples.iter().position(|s| !s.is_finite()) {
+            return Err(Error::NotFinite { what: "profile", row });
+        }
+        let half_steps = (samples.len() - 1) as f64 / 2.0;
+        Ok(Self { samples: samples.iter().map(|s| s.max(0.0)).collect(), half_steps })
+    }
+
+    /// Height at x.
+    #[inline]
+    pub fn at(&self, x: f64) -> f64 {
+        if !(x > -1.0 && x < 1.0) {
+            return 0.0;
+        }
+        let place = (x + 1.0) * self.half_steps;
+        let index = (place as usize).min(self.samples.len() - 2);
+        let (low, high) = (self.samples[index], self.samples[index + 1]);
+        low + (high - low) * (place - index as f64)
+    }
+}
+
+/// Width of the isotropic bell in joint lengths.
+pub(crate) const BELL_WIDTH: f64 = 0.25;
+
+/// exp(−q) for q = |x|²/σ², to 4 % of its height, as (1 − q/8)⁸: ends at q = 8 with seven smooth derivatives.
+#[inline]
+pub(crate) fn bell(q: f64) -> f64 {
+    let base = (1.0 - q * 0.125).max(0.0);
+    let square = base * base;
+    let fourth = square * square;
+    fourth * fourth
+}

@@ -1,0 +1,50 @@
+//! Figures of one frame.
+
+/// Volumes are signed like their component, in cubic units of object space; positive losses are lost.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Report {
+    /// Per component, as skinned; 0 where not sound.
+    pub skinned_volumes: Vec<f64>,
+    /// Per component.
+    pub target_volumes: Vec<f64>,
+    /// Per component, measured on the corrected positions.
+    pub corrected_volumes: Vec<f64>,
+    /// Per joint, volume its turn took, over all components.
+    pub joint_losses: Vec<f64>,
+    /// Per joint, volume given back by its field, to first order.
+    pub joint_regained: Vec<f64>,
+    /// Per joint, bound on the displacement by its field, armature space.
+    pub joint_displacements: Vec<f64>,
+    /// Per joint, whether part of its volume went to a wider field.
+    pub joint_is_capped: Vec<bool>,
+    /// Largest distance between skinned twins of one point, object space.
+    pub seam_gap: f64,
+    /// Largest correction of a vertex, object space.
+    pub max_displacement: f64,
+}
+
+impl Report {
+    pub(crate) fn new(component_count: usize, joint_count: usize) -> Self {
+        Self {
+            skinned_volumes: vec![0.0; component_count],
+            target_volumes: vec![0.0; component_count],
+            corrected_volumes: vec![0.0; component_count],
+            joint_losses: vec![0.0; joint_count],
+            joint_regained: vec![0.0; joint_count],
+            joint_displacements: vec![0.0; joint_count],
+            joint_is_capped: vec![false; joint_count],
+            seam_gap: 0.0,
+            max_displacement: 0.0,
+        }
+    }
+
+    /// Largest |corrected − target| / |target| over components that have a target.
+    pub fn relative_error(&self) -> f64 {
+        self.corrected_volumes
+            .iter()
+            .zip(&self.target_volumes)
+            .filter(|(_, target)| **target != 0.0)
+            .map(|(corrected, target)| ((corrected - target) / target).abs())
+            .fold(0.0, f64::max)
+    }
+}

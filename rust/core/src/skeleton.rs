@@ -1,0 +1,270 @@
+//! Bones, and the joints a mesh makes of them: the bones that carry weight, in a tree, parents first.
+
+use glam::{DAffine3, DMat4, DVec3};
+
+use crate::error::{Error, Result};
+use crate::skinning::{Influences, affine};
+
+/// Shorter than this part of the mesh's size is no direction.
+const DIRECTION_MIN: f64 = 1e-6;
+
+/// Bones at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Skeleton {
+    parents: Vec<Option<u32>>,
+    rest: Vec<DAffine3>,
+}
+
+impl Skeleton {
+    /// `parents`: index or -1 per bone, in any order; `rest_matrices`: armature space.
+    ///
+    /// # Errors
+    /// Lengths that differ, parents out of range or in a cycle, matrices that are not finite, more than 65,000 bones.
+    pub fn new(parents: &[i32], rest_matrices: &[DMat4]) -> Result<Self> {
+        if parents.len() != rest_matrices.len() {
+            return Err(Error::Length { what: "rest_matrices", found: rest_matrices.len(), needed: parents.len() });
+        }
+        if parents.len() > 32_000 {
+            return Err(Error::Value { what: "number of bones", found: parents.len() as f64, needed: "at most 32000" });
+        }
+        if let Some(row) = rest_matrices.iter().position(|m| !m.is_finite()) {
+            return Err(Error::NotFinite { what: "rest_matrices", row });
+        }
+        if let Some(row) = parents.iter().position(|&p| p < -1 || p >= parents.len() as i32) {
+            return Err(Error::Index { what: "parents", row, found: i64::from(parents[row]), limit: parents.len() });
+        }
+        let parents: Vec<Option<u32>> = parents.iter().map(|&p| u32::try_from(p).ok()).collect();
+        // A chain longer than there are bones comes back to itself.
+        for bone in 0..parents.len() {
+            let mut ancestor = Some(bone as u32);
+            for _ in 0..=parents.len() {
+                ancestor = ancestor.and_then(|a| parents[a as usize]);
+            }
+            if ancestor.is_some() {
+                return Err(Error::Cycle { bone });
+            }
+        }
+        Ok(Self { parents, rest: rest_matrices.iter().map(affine).collect() })
+    }
+
+    /// Number of bones.
+    pub fn len(&self) -> usize {
+        self.parents.len()
+    }
+
+    /// True without bones.
+    pub fn is_empty(&self) -> bool {
+        self.parents.is_empty()
+    }
+
+    pub(crate) fn rest(&self) -> &[DAffine3] {
+        &self.rest
+    }
+
+    fn head(&self, bone: u32) -> DVec3 {
+        self.rest[bone as usize].translation
+    }
+}
+
+/// Joints in depth-first order, so that the joints below `j` are `j..end[j]`. The *world*, index `len`, is above all.
+#[derive(Debug, Clone)]
+pub(crate) struct JointTree {
+    /// Bone of each joint.
+    pub bones: Vec<u32>,
+    /// Joint above, or `len` for the world.
+    pub parents: Vec<u16>,
+    /// One past the last joint below.
+    pub ends: Vec<u16>,
+    /// Joint's place at rest, armature space.
+    pub heads: Vec<DVec3>,
+    /// From the parent's joint to this one at rest; `None` where they coincide or there is no parent.
+    pub along_parent: Vec<Option<DVec3>>,
+    /// From this joint along its own body at rest; `None` where it has no extent.
+    pub along_own: Vec<Option<DVec3>>,
+}
+
+impl JointTree {
+    /// Joints of the bones that carry weight. `rest` are the vertices in armature space.
+    ///
+    /// A weighted bone hangs on its nearest weighted ancestor. One that has none (control rigs cut such chains) hangs on
+    /// the bone with which it shares most weight, so that its joint is found where the skin blends.
+    pub fn new(skeleton: &Skeleton, influences: &Influences, rest: &[DVec3]) -> Self {
+        let world = skeleton.len();
+        let mut masses = vec![0.0; world + 1];
+        let mut moments = vec![DVec3::ZERO; world + 1];
+        for (vertex, &p) in rest.iter().enumerate() {
+            let (bones, weights) = influences.of(vertex);
+            for (&bone, &weight) in bones.iter().zip(weights) {
+                masses[bone as usize] += weight;
+                moments[bone as usize] += p * weight;
+            }
+        }
+        let parents = weighted_parents(skeleton, influences, &masses);
+        let mut children = vec![Vec::new(); world + 1];
+        for bone in 0..world {
+            if masses[bone] > 0.0 {
+                children[parents[bone].map_or(world, |p| p as usize)].push(bone as u32);
+            }
+        }
+        let mut tree = Self {
+            bones: Vec::new(),
+            parents: Vec::new(),
+            ends: Vec::new(),
+            heads: Vec::new(),
+            along_parent: Vec::new(),
+            along_own: Vec::new(),
+        };
+        let count = children.iter().map(Vec::len).sum::<usize>() as u16;
+        let mut stack: Vec<(u32, u16)> = children[world].iter().rev().map(|&bone| (bone, count)).collect();
+        while let Some((bone, parent)) = stack.pop() {
+            let joint = tree.bones.len() as u16;
+            tree.bones.push(bone);
+            tree.parents.push(parent);
+            tree.ends.push(joint + 1);
+            tree.heads.push(skeleton.head(bone));
+            stack.extend(children[bone as usize].iter().rev().map(|&child| (child, joint)));
+        }
+        for joint in (0..tree.len()).rev() {
+            if let Some(parent) = tree.parent(joint) {
+                tree.ends[parent] = tree.ends[parent].max(tree.ends[joint]);
+            }
+        }
+        tree.find_directions(&masses, &moments, rest);
+        tree
+    }
+
+    fn find_directions(&mut self, masses: &[f64], moments: &[DVec3], rest: &[DVec3]) {
+        let low = rest.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = rest.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let shortest = if rest.is_empty() { 0.0 } else { (high - low).length() * DIRECTION_MIN };
+        let long = |v: DVec3| (v.length() > shortest).then_some(v);
+        let mut below: Vec<f64> = self.bones.iter().map(|&bone| masses[bone as usize]).collect();
+        for joint in (0..self.len()).rev() {
+            if let Some(parent) = self.parent(joint) {
+                below[parent] += below[joint];
+            }
+        }
+        for joint in 0..self.len() {
+            let head = self.heads[joint];
+            let mut above = self.parent(joint);
+            let mut along = None;
+            while let (None, Some(ancestor)) = (along, above) {
+                along = long(head - self.heads[ancestor]);
+                above = self.parent(ancestor);
+            }
+            self.along_parent.push(along);
+            let mut reach = DVec3::ZERO;
+            let mut mass = 0.0;
+            for child in (joint + 1..self.ends[joint] as usize).filter(|&c| self.parent(c) == Some(joint)) {
+                reach += (self.heads[child] - head) * below[child];
+                mass += below[child];
+            }
+            let to_children = if mass > 0.0 { long(reach / mass) } else { None };
+            let bone = self.bones[joint] as usize;
+            self.along_own.push(to_children.or_else(|| long(moments[bone] / masses[bone] - head)));
+        }
+    }
+
+    pub fn len(&self) -> usize {
+        self.bones.len()
+    }
+
+    /// Index of the world.
+    pub fn world(&self) -> usize {
+        self.bones.len()
+    }
+
+    pub fn parent(&self, joint: usize) -> Option<usize> {
+        let parent = self.parents[joint] as usize;
+        (parent < self.len()).then_some(parent)
+    }
+
+    /// Joints from `joint` upwards, without the world.
+    pub fn chain(&self, joint: usize) -> impl Iterator<Item = usize> {
+        std::iter::successors((joint < self.len()).then_some(joint), |&j| self.parent(j))
+    }
+
+    pub fn is_below(&self, joint: usize, ancestor: usize) -> bool {
+        ancestor == self.world() || (ancestor..self.ends[ancestor] as usize).contains(&joint)
+    }
+
+    /// Nearest joint (or the world) that both are below.
+    pub fn common_ancestor(&self, a: usize, b: usize) -> usize {
+        let (mut a, mut b) = (a, b);
+        while a != b {
+            if a == self.world() || b == self.world() {
+                return self.world();
+            }
+            if a > b {
+                a = self.parents[a] as usize;
+            } else {
+                b = self.parents[b] as usize;
+            }
+        }
+        a
+    }
+
+    /// What each bone follows before joint `joint` turns, with all earlier joints turned (MATH §3).
+    pub fn stage_before(&self, joint: usize) -> Vec<u16> {
+        (0..=self.len())
+            .map(|bone| {
+                if bone == self.world() {
+                    bone as u16
+                } else if self.is_below(bone, joint) {
+                    self.parents[joint]
+                } else {
+                    self.chain(bone).find(|&j| j < joint).unwrap_or(self.world()) as u16
+                }
+            })
+            .collect()
+    }
+}
+
+/// Nearest weighted ancestor of each weighted bone, else the bone that shares most weight with it.
+fn weighted_parents(skeleton: &Skeleton, influences: &Influences, masses: &[f64]) -> Vec<Option<u32>> {
+    let mut parents: Vec<Option<u32>> = (0..skeleton.len())
+        .map(|bone| {
+            let mut parent = skeleton.parents[bone];
+            while let Some(p) = parent.filter(|&p| masses[p as usize] <= 0.0) {
+                parent = skeleton.parents[p as usize];
+            }
+            parent
+        })
+        .collect();
+    let roots: Vec<u32> = (0..skeleton.len() as u32).filter(|&b| masses[b as usize] > 0.0 && parents[b as usize].is_none()).collect();
+    if roots.len() < 2 {
+        return parents;
+    }
+    let tree_of = |parents: &[Option<u32>], bone: u32| std::iter::successors(Some(bone), |&b| parents[b as usize]).last();
+    let mut shared: std::collections::BTreeMap<(u32, u32), f64> = std::collections::BTreeMap::new();
+    for vertex in 0..influences.len() {
+        let (bones, weights) = influences.of(vertex);
+        for (i, &a) in bones.iter().enumerate() {
+            for (j, &b) in bones.iter().enumerate() {
+                let apart = a as usize != skeleton.len() && b as usize != skeleton.len();
+                if apart && tree_of(&parents, u32::from(a)) != tree_of(&parents, u32::from(b)) {
+                    *shared.entry((u32::from(a), u32::from(b))).or_default() += weights[i] * weights[j];
+                }
+            }
+        }
+    }
+    let mut pairs: Vec<((u32, u32), f64)> = shared.into_iter().collect();
+    pairs.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    // The heaviest tree keeps its root; others are hung on, strongest blend first. Only a root can be hung on.
+    let mut mass_of_tree = vec![0.0; skeleton.len()];
+    for bone in 0..skeleton.len() as u32 {
+        if let Some(root) = tree_of(&parents, bone) {
+            mass_of_tree[root as usize] += masses[bone as usize];
+        }
+    }
+    for _ in 1..roots.len() {
+        let hang = pairs.iter().find_map(|&((a, b), _)| {
+            let (root_a, root_b) = (tree_of(&parents, a)?, tree_of(&parents, b)?);
+            (root_a != root_b && mass_of_tree[root_a as usize] <= mass_of_tree[root_b as usize]).then_some((root_a, b, root_b))
+        });
+        let Some((root, onto, onto_root)) = hang else { break };
+        parents[root as usize] = Some(onto);
+        mass_of_tree[onto_root as usize] += mass_of_tree[root as usize];
+    }
+    parents
+}

@@ -1,0 +1,184 @@
+//! A bound character: bind once, deform each frame [MATH §2–3].
+
+use std::sync::Arc;
+
+use glam::{DMat4, DVec3};
+use rayon::prelude::*;
+
+use crate::binding::Binding;
+use crate::error::{Error, Result, check_finite};
+use crate::frame::{Pose, Workspace};
+use crate::joint::Joint;
+use crate::report::Report;
+use crate::skinning::{CHUNK, Skinning, check_object};
+use crate::supports::Supports;
+use crate::topology::Topology;
+
+/// In which order joints give back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Solver {
+    /// All at the skinned pose from one gradient: no order, a few sweeps of the mesh whatever the number of bones.
+    #[default]
+    Simultaneous,
+    /// Parents first, axis after axis, each on the mesh so far, as in [RHC09]: up to four gradients per joint.
+    Sequential,
+}
+
+/// Settings of a bound character.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Options {
+    /// In which order joints give back.
+    pub solver: Solver,
+    /// Bone scale and translation move the target volume.
+    pub keep_bone_scale: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { solver: Solver::default(), keep_bone_scale: true }
+    }
+}
+
+/// A bound character. Immutable; frames are computed in a `Workspace`.
+#[derive(Clone)]
+pub struct VolumeSkin {
+    binding: Arc<Binding>,
+    supports: Arc<Supports>,
+    /// One per joint of the tree.
+    joints: Arc<Vec<Joint>>,
+    options: Options,
+}
+
+impl VolumeSkin {
+    /// Binds a mesh to its weights.
+    ///
+    /// `rest` per vertex and `shape_deltas` per shape key and vertex, object space; `object_from_armature` as it stands
+    /// at bind: it turns the mesh's size into the skeleton's. Bones without an entry in `joints` are isotropic.
+    ///
+    /// # Errors
+    /// Lengths that do not match, values that are not finite, an object matrix without inverse, joints named twice.
+    pub fn bind(
+        topology: Topology,
+        rest: &[DVec3],
+        skinning: &Skinning,
+        joints: &[Joint],
+        options: Options,
+        shape_deltas: &[Vec<DVec3>],
+        object_from_armature: &DMat4,
+    ) -> Result<Self> {
+        let vertex_count = topology.point_of_vertex.len();
+        if skinning.vertex_count() != vertex_count {
+            return Err(Error::Length { what: "weights", found: skinning.vertex_count(), needed: vertex_count });
+        }
+        if rest.len() != vertex_count {
+            return Err(Error::VertexCount { found: rest.len(), bound: vertex_count });
+        }
+        check_finite("rest_positions", rest)?;
+        for deltas in shape_deltas {
+            if deltas.len() != vertex_count {
+                return Err(Error::Length { what: "shape_deltas", found: deltas.len(), needed: vertex_count });
+            }
+            check_finite("shape_deltas", deltas)?;
+        }
+        let armature_from_object = check_object(object_from_armature)?.inverse();
+        let binding = Binding::new(topology, rest, skinning, shape_deltas, armature_from_object);
+        let joints = binding.settings(joints)?;
+        let supports = binding.supports(&joints);
+        Ok(Self { binding: Arc::new(binding), supports: Arc::new(supports), joints: Arc::new(joints), options })
+    }
+
+    /// The same binding with other settings.
+    ///
+    /// # Errors
+    /// Joints out of range, named twice, or with settings out of range.
+    pub fn with_joints(&self, joints: &[Joint], options: Options) -> Result<Self> {
+        let joints = self.binding.settings(joints)?;
+        let same_sizes = joints.iter().zip(&*self.joints).all(|(a, b)| a.size.to_bits() == b.size.to_bits());
+        let supports = if same_sizes { Arc::clone(&self.supports) } else { Arc::new(self.binding.supports(&joints)) };
+        Ok(Self { binding: Arc::clone(&self.binding), supports, joints: Arc::new(joints), options })
+    }
+
+    /// Settings as bound, one per joint.
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// Options as bound.
+    pub fn options(&self) -> Options {
+        self.options
+    }
+
+    /// Bone of each joint, parents first: the order of per-joint figures.
+    pub fn joint_bones(&self) -> &[u32] {
+        &self.binding.motions.tree.bones
+    }
+
+    /// Length of each joint, armature space: the unit of its profiles.
+    pub fn joint_lengths(&self) -> &[f64] {
+        &self.supports.lengths
+    }
+
+    /// Surface as bound.
+    pub fn topology(&self) -> &Topology {
+        &self.binding.topology
+    }
+
+    /// Memory of the binding and one workspace.
+    pub fn memory_bytes(&self) -> usize {
+        self.binding.memory_bytes() + self.supports.memory_bytes() + self.workspace().memory_bytes()
+    }
+
+    /// New buffers.
+    pub fn workspace(&self) -> Workspace {
+        Workspace::new(&self.binding, &self.supports)
+    }
+
+    /// Skins and corrects one frame; results are read from the workspace, which must be of this very `VolumeSkin`.
+    /// A pure function of its input.
+    ///
+    /// # Errors
+    /// A pose that is not finite or of another skeleton, an object matrix without inverse. The workspace is then stale.
+    pub fn deform<'w>(&self, pose: &Pose, workspace: &'w mut Workspace) -> Result<&'w Report> {
+        let (binding, supports, settings) = (&*self.binding, &*self.supports, &**self.joints);
+        workspace.take(binding, pose, self.options.keep_bone_scale)?;
+        workspace.skin(binding);
+        workspace.measure(binding, supports, settings, pose);
+        workspace.hold(binding, supports, settings, true);
+        workspace.solve(binding, settings);
+        workspace.apply(binding, supports);
+        if self.options.solver == Solver::Sequential {
+            workspace.apply_in_order(binding, supports, settings);
+        }
+        workspace.remove_residual(binding);
+        workspace.fill_report(binding);
+        Ok(&workspace.report)
+    }
+
+    /// Writes corrected − skinned of every vertex, object space, after `deform`.
+    pub fn write_offsets(&self, workspace: &Workspace, offsets: &mut [[f32; 3]]) {
+        let topology = &self.binding.topology;
+        let to_object = workspace.object.matrix3;
+        offsets.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, offsets)| {
+            for (i, offset) in offsets.iter_mut().enumerate() {
+                let point = topology.point_of_vertex[chunk * CHUNK + i] as usize;
+                let u = to_object * (workspace.corrected[point] - workspace.points[point]);
+                *offset = u.as_vec3().to_array();
+            }
+        });
+    }
+
+    /// Skinned and corrected positions of every vertex, object space, after `deform`.
+    pub fn positions(&self, workspace: &Workspace) -> (Vec<DVec3>, Vec<DVec3>) {
+        let origin = workspace.motions.palette.origin;
+        let object = |p: DVec3| workspace.object.transform_point3(p + origin);
+        let sites = workspace.skinned_sites();
+        let vertices = self.binding.topology.point_of_vertex.iter().enumerate();
+        vertices
+            .map(|(vertex, &point)| {
+                let skinned = sites[self.binding.sites.site_of_vertex(vertex)];
+                let moved = workspace.corrected[point as usize] - workspace.points[point as usize];
+                (object(skinned), object(skinned + moved))
+            })
+            .unzip()
+    }
+}

@@ -1,0 +1,89 @@
+//! numpy arrays in and out, with messages of our own: the default ones name neither shape nor dtype.
+
+use glam::{DMat4, DVec3};
+use numpy::ndarray::{Array1, Array2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::TurgorError;
+
+/// Any array-like as a C-contiguous array of `dtype`; arrays that already are one are not copied.
+fn contiguous<'py>(value: &Bound<'py, PyAny>, what: &str, dtype: &str) -> PyResult<Bound<'py, PyAny>> {
+    let numpy = value.py().import("numpy")?;
+    let options = PyDict::new(value.py());
+    options.set_item("dtype", dtype)?;
+    numpy
+        .call_method("ascontiguousarray", (value,), Some(&options))
+        .map_err(|error| TurgorError::new_err(format!("{what}: need an array of {dtype}, {error}")))
+}
+
+fn describe(array: &Bound<'_, PyAny>) -> String {
+    let part = |name: &str| array.getattr(name).map_or_else(|_| String::from("?"), |v| v.to_string());
+    format!("{} {}", part("dtype"), part("shape"))
+}
+
+/// A flat copy of an array whose shape `accepts` allows; `needed` says which those are.
+fn read<T: numpy::Element + Copy>(value: &Bound<'_, PyAny>, what: &str, dtype: &str, needed: &str, accepts: impl Fn(&[usize]) -> bool) -> PyResult<Vec<T>> {
+    let array = contiguous(value, what, dtype)?;
+    let array = array.cast::<PyArrayDyn<T>>().map_err(|_| TurgorError::new_err(format!("{what}: need {dtype}, got {}", describe(value))))?;
+    // numpy makes at least one dimension of a scalar; an empty list has the shape (0,).
+    let is_empty = array.len() == 0;
+    if !accepts(array.shape()) && !(is_empty && array.shape() == [0]) {
+        return Err(TurgorError::new_err(format!("{what}: need {dtype} {needed}, got {}", describe(value))));
+    }
+    Ok(array.try_readonly().map_err(|e| PyValueError::new_err(format!("{what}: {e}")))?.as_slice()?.to_vec())
+}
+
+pub fn vectors(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<DVec3>> {
+    let flat: Vec<f64> = read(value, what, "float64", "(N, 3)", |shape| shape.len() == 2 && shape[1] == 3)?;
+    Ok(flat.chunks_exact(3).map(DVec3::from_slice).collect())
+}
+
+pub fn vector_rows(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<Vec<DVec3>>> {
+    let array = contiguous(value, what, "float64")?;
+    let rows = array.try_iter()?.map(|row| vectors(&row?, what)).collect();
+    rows
+}
+
+pub fn matrices(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<DMat4>> {
+    let flat: Vec<f64> = read(value, what, "float64", "(B, 4, 4)", |shape| shape.len() == 3 && shape[1..] == [4, 4])?;
+    Ok(flat.chunks_exact(16).map(|rows| DMat4::from_cols_slice(rows).transpose()).collect())
+}
+
+pub fn matrix(value: Option<&Bound<'_, PyAny>>, what: &str) -> PyResult<DMat4> {
+    let Some(value) = value else { return Ok(DMat4::IDENTITY) };
+    let flat: Vec<f64> = read(value, what, "float64", "(4, 4)", |shape| shape == [4, 4])?;
+    if flat.is_empty() {
+        return Err(TurgorError::new_err(format!("{what}: need float64 (4, 4), got {}", describe(value))));
+    }
+    Ok(DMat4::from_cols_slice(&flat).transpose())
+}
+
+pub fn numbers(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<f64>> {
+    read(value, what, "float64", "(N,)", |shape| shape.len() == 1)
+}
+
+pub fn indices(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<i32>> {
+    read(value, what, "int32", "(N,)", |shape| shape.len() == 1)
+}
+
+pub fn from_vectors<'py>(py: Python<'py>, vectors: &[DVec3]) -> Bound<'py, PyArray2<f64>> {
+    let flat: Vec<f64> = vectors.iter().flat_map(|v| v.to_array()).collect();
+    shaped(py, flat)
+}
+
+pub fn from_floats<'py>(py: Python<'py>, rows: &[[f32; 3]]) -> Bound<'py, PyArray2<f32>> {
+    shaped(py, rows.as_flattened().to_vec())
+}
+
+fn shaped<T: numpy::Element>(py: Python<'_>, flat: Vec<T>) -> Bound<'_, PyArray2<T>> {
+    let rows = flat.len() / 3;
+    // The length is a multiple of 3 by construction.
+    Array2::from_shape_vec((rows, 3), flat).unwrap_or_else(|_| unreachable!("rows of three")).into_pyarray(py)
+}
+
+pub fn from_numbers<'py, T: numpy::Element + Copy>(py: Python<'py>, numbers: &[T]) -> Bound<'py, PyArray1<T>> {
+    Array1::from(numbers.to_vec()).into_pyarray(py)
+}

@@ -1,0 +1,73 @@
+//! `turgor.Joint`.
+
+use pyo3::prelude::*;
+use turgor::{Profile, Profiles, Shares};
+
+use crate::{TurgorError, arrays, refused};
+
+/// How the volume lost at the joint at the head of a bone is given back.
+#[pyclass(frozen, module = "turgor")]
+pub struct Joint {
+    pub inner: turgor::Joint,
+}
+
+/// "auto", or three numbers.
+pub fn read_shares(value: Option<&Bound<'_, PyAny>>) -> PyResult<Shares> {
+    let Some(value) = value else { return Ok(Shares::Auto) };
+    if value.extract::<&str>().is_ok_and(|word| word == "auto") {
+        return Ok(Shares::Auto);
+    }
+    value
+        .extract::<[f64; 3]>()
+        .map(Shares::Axes)
+        .map_err(|_| TurgorError::new_err(format!("shares: need \"auto\" or three numbers, got {value}")))
+}
+
+#[pymethods]
+impl Joint {
+    #[new]
+    #[pyo3(signature = (bone, shares=None, profiles=None, *, folded_profile=None, folded_loss_relative=0.1, strength=1.0, size=1.0))]
+    fn new(
+        bone: i64,
+        shares: Option<&Bound<'_, PyAny>>,
+        profiles: Option<[Bound<'_, PyAny>; 3]>,
+        folded_profile: Option<&Bound<'_, PyAny>>,
+        folded_loss_relative: f64,
+        strength: f64,
+        size: f64,
+    ) -> PyResult<Self> {
+        let bone = usize::try_from(bone).map_err(|_| TurgorError::new_err(format!("bone: need an index of 0 or more, got {bone}")))?;
+        let profile = |samples: &Bound<'_, PyAny>| Profile::new(&arrays::numbers(samples, "profiles")?).map_err(refused);
+        let folded = folded_profile.map(profile).transpose()?.map(|curve| (curve, folded_loss_relative));
+        let profiles = match profiles {
+            Some([x, y, z]) => Some(Profiles { axes: [profile(&x)?, profile(&y)?, profile(&z)?], folded }),
+            None if folded.is_some() => return Err(TurgorError::new_err("folded_profile: need profiles too, got None: pass three curves")),
+            None => None,
+        };
+        let joint = turgor::Joint { bone, shares: read_shares(shares)?, profiles, strength, size };
+        Ok(Self { inner: joint.checked().map_err(refused)? })
+    }
+
+    #[getter]
+    fn bone(&self) -> usize {
+        self.inner.bone
+    }
+
+    #[getter]
+    fn strength(&self) -> f64 {
+        self.inner.strength
+    }
+
+    #[getter]
+    fn size(&self) -> f64 {
+        self.inner.size
+    }
+
+    #[getter]
+    fn shares<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        match self.inner.shares {
+            Shares::Auto => Ok("auto".into_pyobject(py)?.into_any()),
+            Shares::Axes([a, b, c]) => Ok((a, b, c).into_pyobject(py)?.into_any()),
+        }
+    }
+}

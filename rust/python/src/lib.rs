@@ -1,0 +1,38 @@
+//! The Python border of `turgor`: checks arrays, views them, detaches from the interpreter, wraps results. No mathematics.
+
+mod arrays;
+mod joint;
+mod mesh;
+mod skinning;
+mod volume_skin;
+
+use pyo3::prelude::*;
+
+pyo3::create_exception!(turgor, TurgorError, pyo3::exceptions::PyValueError, "What was found, what is needed, what to do.");
+
+/// Engine errors become `turgor.TurgorError`.
+fn refused(error: turgor::Error) -> PyErr {
+    TurgorError::new_err(error.to_string())
+}
+
+/// The compiled engine.
+#[pymodule]
+mod _native {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use super::TurgorError;
+    #[pymodule_export]
+    use super::joint::Joint;
+    #[pymodule_export]
+    use super::mesh::{Component, Mesh, correct};
+    #[pymodule_export]
+    use super::skinning::{Skeleton, Skinning};
+    #[pymodule_export]
+    use super::volume_skin::{Frame, Report, VolumeSkin};
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

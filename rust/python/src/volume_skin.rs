@@ -1,0 +1,323 @@
+//! `turgor.VolumeSkin`, `turgor.Frame` and `turgor.Report`.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use glam::{DMat4, DVec3};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use turgor::{Options, Pose, Solver, Workspace};
+
+use crate::joint::Joint;
+use crate::mesh::Mesh;
+use crate::skinning::Skinning;
+use crate::{TurgorError, arrays, refused};
+
+/// A bound character.
+#[pyclass(frozen, module = "turgor")]
+pub struct VolumeSkin {
+    inner: turgor::VolumeSkin,
+    mesh: Arc<turgor::Mesh>,
+    /// Buffers of calls that have ended, for the next ones.
+    workspaces: Mutex<Vec<Workspace>>,
+}
+
+/// What a frame is made from, owned, so that the interpreter can be left.
+struct PoseData {
+    matrices: Vec<DMat4>,
+    object_from_armature: DMat4,
+    shape_values: Vec<f64>,
+    strengths: Option<Vec<f64>>,
+    target_scale: f64,
+}
+
+impl PoseData {
+    fn read(
+        pose_matrices: &Bound<'_, PyAny>,
+        object_from_armature: Option<&Bound<'_, PyAny>>,
+        shape_values: Option<&Bound<'_, PyAny>>,
+        strengths: Option<&Bound<'_, PyAny>>,
+        target_scale: f64,
+    ) -> PyResult<Self> {
+        Ok(Self {
+            matrices: arrays::matrices(pose_matrices, "pose_matrices")?,
+            object_from_armature: arrays::matrix(object_from_armature, "object_from_armature")?,
+            shape_values: shape_values.map_or(Ok(Vec::new()), |v| arrays::numbers(v, "shape_values"))?,
+            strengths: strengths.map(|s| arrays::numbers(s, "strengths")).transpose()?,
+            target_scale,
+        })
+    }
+
+    fn pose(&self) -> Pose<'_> {
+        Pose {
+            matrices: &self.matrices,
+            object_from_armature: self.object_from_armature,
+            shape_values: &self.shape_values,
+            target_scale: self.target_scale,
+            strengths: self.strengths.as_deref(),
+        }
+    }
+}
+
+fn solver(name: &str) -> PyResult<Solver> {
+    match name {
+        "simultaneous" => Ok(Solver::Simultaneous),
+        "sequential" => Ok(Solver::Sequential),
+        _ => Err(TurgorError::new_err(format!("solver: need \"simultaneous\" or \"sequential\", got {name:?}"))),
+    }
+}
+
+fn joint_settings(joints: Option<Vec<PyRef<'_, Joint>>>) -> Vec<turgor::Joint> {
+    joints.unwrap_or_default().iter().map(|joint| joint.inner.clone()).collect()
+}
+
+impl VolumeSkin {
+    fn wrap(inner: turgor::VolumeSkin, mesh: Arc<turgor::Mesh>) -> Self {
+        Self { inner, mesh, workspaces: Mutex::new(Vec::new()) }
+    }
+
+    /// Computes a frame and hands the workspace to `finish`.
+    fn run<T: Send>(&self, py: Python<'_>, pose: &PoseData, finish: impl FnOnce(&Workspace) -> T + Send) -> PyResult<(T, turgor::Report)> {
+        py.detach(|| {
+            let lock = || self.workspaces.lock().unwrap_or_else(PoisonError::into_inner);
+            let spare = lock().pop();
+            let mut workspace = spare.unwrap_or_else(|| self.inner.workspace());
+            let report = self.inner.deform(&pose.pose(), &mut workspace).cloned();
+            let result = report.map(|report| (finish(&workspace), report));
+            lock().push(workspace);
+            result.map_err(refused)
+        })
+    }
+
+    fn write(&self, py: Python<'_>, pose: &PoseData, offsets: &mut [[f32; 3]]) -> PyResult<Report> {
+        let ((), inner) = self.run(py, pose, |workspace| self.inner.write_offsets(workspace, offsets))?;
+        Ok(Report { inner })
+    }
+
+    fn check_rows(&self, found: usize) -> PyResult<()> {
+        let needed = self.mesh.rest().len();
+        if found == needed {
+            return Ok(());
+        }
+        Err(refused(turgor::Error::VertexCount { found, bound: needed }))
+    }
+}
+
+#[pymethods]
+impl VolumeSkin {
+    #[new]
+    #[pyo3(signature = (mesh, skinning, joints=None, *, solver="simultaneous", keep_bone_scale=true, shape_deltas=None, object_from_armature=None))]
+    #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
+    fn new(
+        py: Python<'_>,
+        mesh: &Mesh,
+        skinning: &Skinning,
+        joints: Option<Vec<PyRef<'_, Joint>>>,
+        solver: &str,
+        keep_bone_scale: bool,
+        shape_deltas: Option<&Bound<'_, PyAny>>,
+        object_from_armature: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let options = Options { solver: self::solver(solver)?, keep_bone_scale };
+        let deltas: Vec<Vec<DVec3>> = shape_deltas.map_or(Ok(Vec::new()), |d| arrays::vector_rows(d, "shape_deltas"))?;
+        let object = arrays::matrix(object_from_armature, "object_from_armature")?;
+        let joints = joint_settings(joints);
+        let mesh = Arc::clone(&mesh.inner);
+        let inner = py
+            .detach(|| turgor::VolumeSkin::bind(mesh.topology().clone(), mesh.rest(), &skinning.inner, &joints, options, &deltas, &object))
+            .map_err(refused)?;
+        Ok(Self::wrap(inner, mesh))
+    }
+
+    #[getter]
+    fn mesh(&self) -> Mesh {
+        Mesh { inner: Arc::clone(&self.mesh) }
+    }
+
+    #[getter]
+    fn joint_bones<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i32>> {
+        let bones: Vec<i32> = self.inner.joint_bones().iter().map(|&bone| bone as i32).collect();
+        arrays::from_numbers(py, &bones)
+    }
+
+    #[getter]
+    fn joint_lengths<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::from_numbers(py, self.inner.joint_lengths())
+    }
+
+    #[getter]
+    fn memory_bytes(&self) -> usize {
+        self.inner.memory_bytes()
+    }
+
+    #[pyo3(signature = (joints, *, solver=None, keep_bone_scale=None))]
+    fn with_joints(&self, py: Python<'_>, joints: Option<Vec<PyRef<'_, Joint>>>, solver: Option<&str>, keep_bone_scale: Option<bool>) -> PyResult<Self> {
+        let bound = self.inner.options();
+        let options = Options {
+            solver: solver.map_or(Ok(bound.solver), self::solver)?,
+            keep_bone_scale: keep_bone_scale.unwrap_or(bound.keep_bone_scale),
+        };
+        let joints = joint_settings(joints);
+        let inner = py.detach(|| self.inner.with_joints(&joints, options)).map_err(refused)?;
+        Ok(Self::wrap(inner, Arc::clone(&self.mesh)))
+    }
+
+    #[pyo3(signature = (pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0))]
+    fn deform(
+        &self,
+        py: Python<'_>,
+        pose_matrices: &Bound<'_, PyAny>,
+        object_from_armature: Option<&Bound<'_, PyAny>>,
+        shape_values: Option<&Bound<'_, PyAny>>,
+        strengths: Option<&Bound<'_, PyAny>>,
+        target_scale: f64,
+    ) -> PyResult<Frame> {
+        let pose = PoseData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale)?;
+        let mut offsets = vec![[0.0; 3]; self.mesh.rest().len()];
+        let ((skinned, positions), report) = self.run(py, &pose, |workspace| {
+            self.inner.write_offsets(workspace, &mut offsets);
+            self.inner.positions(workspace)
+        })?;
+        Ok(Frame { positions, skinned, offsets, report })
+    }
+
+    #[pyo3(signature = (offsets, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0))]
+    #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
+    fn deform_into(
+        &self,
+        py: Python<'_>,
+        offsets: &Bound<'_, PyAny>,
+        pose_matrices: &Bound<'_, PyAny>,
+        object_from_armature: Option<&Bound<'_, PyAny>>,
+        shape_values: Option<&Bound<'_, PyAny>>,
+        strengths: Option<&Bound<'_, PyAny>>,
+        target_scale: f64,
+    ) -> PyResult<Report> {
+        let pose = PoseData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale)?;
+        let needed = "offsets: need a writable C-contiguous float32 array (N, 3)";
+        let array = offsets.cast::<PyArray2<f32>>().map_err(|_| TurgorError::new_err(format!("{needed}, got {}", offsets.get_type())))?;
+        if array.shape().get(1) != Some(&3) || !array.is_c_contiguous() {
+            return Err(TurgorError::new_err(format!("{needed}, got shape {:?}", array.shape())));
+        }
+        self.check_rows(array.shape()[0])?;
+        let mut view = array.try_readwrite().map_err(|error| TurgorError::new_err(format!("{needed}: {error}")))?;
+        let (rows, _) = view.as_slice_mut()?.as_chunks_mut::<3>();
+        self.write(py, &pose, rows)
+    }
+
+    #[pyo3(signature = (offsets_address, vertex_count, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0))]
+    #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
+    fn deform_into_address(
+        &self,
+        py: Python<'_>,
+        offsets_address: usize,
+        vertex_count: usize,
+        pose_matrices: &Bound<'_, PyAny>,
+        object_from_armature: Option<&Bound<'_, PyAny>>,
+        shape_values: Option<&Bound<'_, PyAny>>,
+        strengths: Option<&Bound<'_, PyAny>>,
+        target_scale: f64,
+    ) -> PyResult<Report> {
+        let pose = PoseData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale)?;
+        self.check_rows(vertex_count)?;
+        if vertex_count == 0 {
+            return self.write(py, &pose, &mut []);
+        }
+        if offsets_address == 0 || !offsets_address.is_multiple_of(align_of::<f32>()) {
+            return Err(TurgorError::new_err(format!("offsets_address: need the address of {vertex_count} rows of float32, got {offsets_address:#x}")));
+        }
+        // SAFETY: the caller promises `vertex_count` rows of three floats, alive and unaliased during the call.
+        let rows = unsafe { std::slice::from_raw_parts_mut(offsets_address as *mut [f32; 3], vertex_count) };
+        self.write(py, &pose, rows)
+    }
+}
+
+/// Result of one frame, object space.
+#[pyclass(frozen, module = "turgor")]
+pub struct Frame {
+    positions: Vec<DVec3>,
+    skinned: Vec<DVec3>,
+    offsets: Vec<[f32; 3]>,
+    report: turgor::Report,
+}
+
+#[pymethods]
+impl Frame {
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        arrays::from_vectors(py, &self.positions)
+    }
+
+    #[getter]
+    fn skinned<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        arrays::from_vectors(py, &self.skinned)
+    }
+
+    #[getter]
+    fn offsets<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f32>> {
+        arrays::from_floats(py, &self.offsets)
+    }
+
+    #[getter]
+    fn report(&self) -> Report {
+        Report { inner: self.report.clone() }
+    }
+}
+
+/// Figures of one frame.
+#[pyclass(frozen, module = "turgor")]
+pub struct Report {
+    inner: turgor::Report,
+}
+
+#[pymethods]
+impl Report {
+    #[getter]
+    fn skinned_volumes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::from_numbers(py, &self.inner.skinned_volumes)
+    }
+
+    #[getter]
+    fn target_volumes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::from_numbers(py, &self.inner.target_volumes)
+    }
+
+    #[getter]
+    fn corrected_volumes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::from_numbers(py, &self.inner.corrected_volumes)
+    }
+
+    #[getter]
+    fn joint_losses<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::from_numbers(py, &self.inner.joint_losses)
+    }
+
+    #[getter]
+    fn joint_regained<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::from_numbers(py, &self.inner.joint_regained)
+    }
+
+    #[getter]
+    fn joint_displacements<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::from_numbers(py, &self.inner.joint_displacements)
+    }
+
+    #[getter]
+    fn joint_is_capped<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        arrays::from_numbers(py, &self.inner.joint_is_capped)
+    }
+
+    #[getter]
+    fn seam_gap(&self) -> f64 {
+        self.inner.seam_gap
+    }
+
+    #[getter]
+    fn max_displacement(&self) -> f64 {
+        self.inner.max_displacement
+    }
+
+    #[getter]
+    fn relative_error(&self) -> f64 {
+        self.inner.relative_error()
+    }
+}

@@ -1,0 +1,106 @@
+"""The five ready-made corrections of a joint [RHC09, section 5; MATH 4]."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._native import Joint
+
+PresetName = Literal["isotropic", "rubber", "muscle", "folds", "belly"]
+Shares = tuple[float, float, float] | Literal["auto"]
+Profile = NDArray[np.float64]
+
+# Samples per curve over x in [-1, 1]: linear interpolation errs by 1e-4 of the bell's height.
+SAMPLE_COUNT = 129
+# Width of the bells and distance of the muscle's centre from the joint, in joint lengths.
+BELL_WIDTH = 0.25
+MUSCLE_CENTRE = 0.35
+FOLD_FREQUENCY = 6.0
+BELLY_WIDTHS = (0.35, 0.3, 0.3)
+
+_X = np.linspace(-1.0, 1.0, SAMPLE_COUNT)
+
+
+def bell(width: float = BELL_WIDTH, centre: float = 0.0) -> Profile:
+    """exp(-(x - centre)²/width²) over x in [-1, 1], (SAMPLE_COUNT,), fading to zero at both ends."""
+    return np.exp(-(((_X - centre) / width) ** 2)) * (1.0 - _X**8)
+
+
+def _inside() -> Profile:
+    return np.maximum(_X, 0.0)
+
+
+def _waves(frequency: float) -> Profile:
+    return np.sin(np.pi * frequency * _X) ** 2
+
+
+DEFAULT_SHARES: dict[PresetName, Shares] = {
+    "isotropic": "auto",
+    "rubber": (0.0, 1.0, 0.0),
+    "muscle": (0.1, 0.1, 0.8),
+    "folds": (0.0, 0.5, 0.5),
+    "belly": (0.1, 0.1, 0.8),
+}
+
+
+def profiles(preset: PresetName) -> tuple[Profile, Profile, Profile]:
+    """The three curves of a preset, along the parent, along the axis of the bend, towards its inside."""
+    if preset in ("isotropic", "rubber"):
+        return bell(), bell(), bell()
+    if preset == "muscle":
+        return bell(centre=-MUSCLE_CENTRE), bell(), bell() * _inside()
+    if preset == "folds":
+        return bell() * _waves(FOLD_FREQUENCY), bell(), bell()
+    if preset == "belly":
+        x, y, z = (bell(width) for width in BELLY_WIDTHS)
+        return x, y, z * _inside()
+    raise ValueError(f"preset: found {preset!r}, need one of {', '.join(DEFAULT_SHARES)}")
+
+
+def joint(
+    preset: PresetName,
+    bone: int,
+    *,
+    shares: Shares | None = None,
+    strength: float = 1.0,
+    size: float = 1.0,
+) -> Joint:
+    """The joint of a preset by name; shares None: those of the preset."""
+    curves = None if preset == "isotropic" else profiles(preset)
+    folded = bell(BELLY_WIDTHS[0]) * _waves(FOLD_FREQUENCY) if preset == "belly" else None
+    return Joint(
+        bone,
+        DEFAULT_SHARES[preset] if shares is None else shares,
+        curves,
+        folded_profile=folded,
+        strength=strength,
+        size=size,
+    )
+
+
+def isotropic(bone: int, **settings: float) -> Joint:
+    """Even swelling around the joint, by the least displacement."""
+    return joint("isotropic", bone, **settings)
+
+
+def rubber(bone: int, **settings: float) -> Joint:
+    """Bulges sideways, along the axis of the bend."""
+    return joint("rubber", bone, **settings)
+
+
+def muscle(bone: int, **settings: float) -> Joint:
+    """Swells on the parent's side, on the inside of the bend: a biceps."""
+    return joint("muscle", bone, **settings)
+
+
+def folds(bone: int, **settings: float) -> Joint:
+    """Wrinkles across the parent's direction."""
+    return joint("folds", bone, **settings)
+
+
+def belly(bone: int, **settings: float) -> Joint:
+    """One bulge at the inside of the bend while little is lost, folds as more is."""
+    return joint("belly", bone, **settings)
