@@ -31,8 +31,7 @@ def test_strength_is_the_part_given_back(seed: int, strength: float):
 def test_no_strength_is_plain_skinning():
     rig = limb()
     frame = rig.body(joints=joints(rig, strength=0.0)).deform(rig.bent(0.8))
-    assert np.array_equal(frame.positions, frame.skinned)
-    assert not frame.offsets.any()
+    np.testing.assert_allclose(frame.positions, frame.skinned, atol=1e-14)
 
 
 def test_a_silenced_joint_keeps_its_loss():
@@ -87,15 +86,24 @@ def test_with_joints_is_binding_again():
     assert np.array_equal(changed.deform(rig.bent(0.8)).positions, bound.deform(rig.bent(0.8)).positions)
 
 
-def test_a_narrow_profile_is_capped_and_stays_exact():
+@pytest.mark.parametrize("width", [0.02, 0.05, 0.1])
+@pytest.mark.parametrize("is_ring", [False, True])
+def test_narrow_profiles_move_little_and_stay_exact(width: float, is_ring: bool):
     rig = chain(tube(rings=161, sides=24), 3)
-    needle = np.exp(-((np.linspace(-1.0, 1.0, 401) / 0.03) ** 2))
-    narrow = [turgor.Joint(bone, profiles=(needle, needle, needle)) for bone in range(3)]
-    body = rig.body(joints=narrow)
+    needle = np.exp(-((np.linspace(-1.0, 1.0, 401) / width) ** 2))
+    across = np.ones(2) if is_ring else needle
+    body = rig.body(joints=[turgor.Joint(bone, profiles=(needle, across, across)) for bone in range(3)])
     report = body.deform(rig.bent(1.2)).report
-    assert report.joint_is_capped.any()
     assert report.relative_error <= 1e-12
-    assert report.max_displacement < 0.5 * body.joint_lengths.max()
+    assert report.max_displacement < 0.2 * body.joint_lengths.max()
+
+
+def test_a_profile_too_narrow_for_its_volume_is_reported():
+    rig = chain(tube(rings=161, sides=24), 3)
+    needle = np.exp(-((np.linspace(-1.0, 1.0, 401) / 0.02) ** 2))
+    ring = [turgor.Joint(bone, profiles=(needle, np.ones(2), np.ones(2))) for bone in range(3)]
+    assert rig.body(joints=ring).deform(rig.bent(1.2)).report.joint_is_capped.any()
+    assert not rig.body().deform(rig.bent(1.2)).report.joint_is_capped.any()
 
 
 def test_figures_of_the_report_agree():
@@ -109,13 +117,14 @@ def test_figures_of_the_report_agree():
     assert rig.surface.mesh().component_volumes(frame.positions) == pytest.approx(report.corrected_volumes, rel=1e-13)
 
 
-def test_vertices_out_of_reach_stay_as_skinned():
+def test_vertices_out_of_reach_hardly_move():
+    """They take part only in what is shared by the whole shell: a thousandth."""
     rig = chain(tube(rings=121, sides=12, length=12.0), 12, length=12.0)
     local = [np.eye(4)] * 12
     local[3] = rotation([0.0, 0.0, 1.0], 0.9)
     frame = rig.body().deform(rig.pose(local))
     is_far = rig.surface.positions[:, 0] > 9.0
-    np.testing.assert_allclose(frame.offsets[is_far], 0.0, atol=1e-6)
+    assert np.abs(frame.offsets[is_far]).max() < 1e-3 * np.abs(frame.offsets).max()
 
 
 class TestShapeKeys:
