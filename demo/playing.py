@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import bpy
-import numpy as np
 
 from .enclosed_volume import Points, Shells
 from .evaluated import positions, undeformed_shells

@@ -50,9 +50,9 @@ def bone_names(action: bpy.types.Action) -> set[str]:
     return {path.split('"')[1] for path in paths if path.startswith('pose.bones["')}
 
 
-def sampled(first: float, last: float, count: int) -> tuple[int, ...]:
-    """At most `count` whole frames, evenly over the range, both ends included."""
-    start, end = math.floor(first), math.ceil(last)
+def sampled(action: bpy.types.Action, count: int) -> tuple[int, ...]:
+    """At most `count` whole frames, evenly over the action, both ends included."""
+    start, end = math.floor(action.frame_range[0]), math.ceil(action.frame_range[1])
     step_count = max(1, min(count - 1, end - start))
     return tuple(sorted({round(start + (end - start) * step / step_count) for step in range(step_count + 1)}))
 
