@@ -1,0 +1,70 @@
+"""From two playings of a mesh, without and with Turgor, to its part of the report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .enclosed_volume import Points
+from .report import Component, Moment
+
+
+@dataclass(frozen=True)
+class Volumes:
+    """Volumes of K components over F frames, (F, K), and at rest, (K,); is_corrected: (K,)."""
+
+    before: Points
+    after: Points
+    target: Points
+    rest: Points
+    is_corrected: NDArray[np.bool_]
+
+    def largest_error(self, volumes: Points, intended: Points) -> float | None:
+        """Largest relative error over frames and corrected components; None where nothing is corrected."""
+        if not self.is_corrected.any():
+            return None
+        errors = np.abs(volumes - intended)[:, self.is_corrected] / np.abs(intended[..., self.is_corrected])
+        return float(errors.max())
+
+    def of_component(self, index: int, volumes: Points) -> float:
+        """Largest relative error of one component against its target."""
+        return float(np.max(np.abs(volumes - self.target)[:, index] / np.abs(self.target[:, index])))
+
+    def worst_moment(self) -> int:
+        """Index of the frame at which the armature alone is furthest off, all corrected components together."""
+        return int(np.argmax(np.abs(self.relative(self.before) - 1.0)))
+
+    def relative(self, volumes: Points) -> Points:
+        """(F,) enclosed volume of all corrected components over their target."""
+        inside = np.sign(self.rest[self.is_corrected])
+        return volumes[:, self.is_corrected] @ inside / (self.target[:, self.is_corrected] @ inside)
+
+    def moments(self, frames: Sequence[tuple[str, int]]) -> list[Moment]:
+        """The points of the plot."""
+        if not self.is_corrected.any():
+            return []
+        before, after = self.relative(self.before), self.relative(self.after)
+        return [
+            Moment(take, frame, float(without), float(with_turgor))
+            for (take, frame), without, with_turgor in zip(frames, before, after, strict=True)
+        ]
+
+    def components(self, statuses: Sequence[str], vertex_counts: Sequence[int]) -> list[Component]:
+        """What became of each component."""
+        return [
+            Component(
+                status,
+                vertex_count,
+                float(self.rest[index]),
+                bool(self.is_corrected[index]),
+                *(
+                    (self.of_component(index, self.before), self.of_component(index, self.after))
+                    if self.is_corrected[index]
+                    else ()
+                ),
+            )
+            for index, (status, vertex_count) in enumerate(zip(statuses, vertex_counts, strict=True))
+        ]
