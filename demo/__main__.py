@@ -17,12 +17,15 @@ def main() -> None:
     options = parser.parse_args()
 
     with tempfile.TemporaryDirectory() as resources:
-        # Blender reads it when `bpy` is imported, which everything below does.
+        # Blender reads it when `bpy` is imported.
         os.environ["BLENDER_USER_RESOURCES"] = resources
-        from . import extension, show
+        from . import extension
 
-        extension.install(options.extension, Path(resources))
-        show.show(options.file, options.output)
+        with extension.installed(options.extension, Path(resources)):
+            # Only now: the zip brought the engine.
+            from . import show
+
+            show.show(options.file, options.output)
 
 
 if __name__ == "__main__":

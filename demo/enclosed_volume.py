@@ -7,9 +7,9 @@ Points split at seams are welded, openings closed by a fan to the mean of their 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
-from mathutils.kdtree import KDTree
 from numpy.typing import NDArray
 
 Points = NDArray[np.float64]
@@ -118,16 +118,14 @@ def weld(positions: Points, first: Indices, second: Indices) -> Indices:
     """(N,) compact index of the point each vertex belongs to; only vertices on open edges are joined."""
     open_edges = unpaired(first, second)
     candidates = np.unique(np.concatenate([first[open_edges], second[open_edges]]))
-    tolerance = WELD_TOLERANCE * np.linalg.norm(np.ptp(positions, axis=0))
-    tree = KDTree(len(candidates))
-    for vertex in candidates:
-        tree.insert(positions[vertex], int(vertex))
-    tree.balance()
-    pairs = [
-        (vertex, other) for vertex in candidates for _, other, _ in tree.find_range(positions[vertex], float(tolerance))
-    ]
-    one, other = np.array(pairs, dtype=np.intp).reshape(-1, 2).T
-    return connected(len(positions), one, other)
+    cell = 2.0 * WELD_TOLERANCE * np.linalg.norm(np.ptp(positions, axis=0))
+    links = []
+    # Two points within half a cell share a cell of at least one of the eight grids shifted by half.
+    for shift in product((0.0, 0.5), repeat=3):
+        cells = np.floor(positions[candidates] / cell + shift)
+        _, chosen, group = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+        links.append(candidates[chosen[group.ravel()]])
+    return connected(len(positions), np.tile(candidates, len(links)), np.concatenate(links))
 
 
 def connected(count: int, one: Indices, other: Indices) -> Indices:

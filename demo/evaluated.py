@@ -45,6 +45,12 @@ def armature_modifier(mesh_object: bpy.types.Object) -> bpy.types.Modifier:
     return [item for item in mesh_object.modifiers if item.type == "ARMATURE" and item.show_viewport][-1]
 
 
+def modifier_after(mesh_object: bpy.types.Object, modifier: bpy.types.Modifier) -> bpy.types.Modifier | None:
+    """The next modifier in the stack."""
+    place = list(mesh_object.modifiers).index(modifier) + 1
+    return mesh_object.modifiers[place] if place < len(mesh_object.modifiers) else None
+
+
 @contextmanager
 def only_modifiers_before(mesh_object: bpy.types.Object, end: bpy.types.Modifier | None) -> Iterator[None]:
     """Within it, `end` and every modifier after it are off in the viewport; None: nothing is off."""

@@ -1,18 +1,26 @@
-"""Installs the extension zip as an artist does, by Blender's own operator."""
+"""Installs the extension zip as an artist does, by Blender's own operators."""
 
 from __future__ import annotations
 
 import importlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import bpy
 
+MODULE = "bl_ext.user_default.turgor"
 
-def install(archive: Path, resources: Path) -> None:
-    """Installs and enables the zip; fails unless the engine then comes out of it."""
-    bpy.ops.extensions.package_install_files(
-        filepath=str(archive.resolve()), repo="user_default", enable_on_install=True
-    )
+
+@contextmanager
+def installed(archive: Path, resources: Path) -> Iterator[None]:
+    """Within it the zip is installed and enabled; fails unless the engine then comes out of it."""
+    path = str(archive.resolve())
+    bpy.ops.extensions.package_install_files(filepath=path, repo="user_default", enable_on_install=True)
     engine = Path(str(importlib.import_module("turgor").__file__))
     if not engine.is_relative_to(resources):
-        raise SystemExit(f"the engine was loaded from {engine}, not from {archive}: the zip brings no wheel")
+        raise SystemExit(f"the engine was loaded from {engine}, not from {archive}: need a zip that brings its wheel")
+    try:
+        yield
+    finally:
+        bpy.ops.preferences.addon_disable(module=MODULE)

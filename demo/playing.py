@@ -16,21 +16,15 @@ Meshes = list[bpy.types.Object]
 
 @dataclass
 class Track:
-    """One mesh: its shells, their volumes at rest (K,) and over the frames of one playing, (K,) each."""
+    """One mesh: its shells, their volumes at rest (K,) and over the frames of one playing, (F, K)."""
 
     mesh_object: bpy.types.Object
     shells: Shells
     rest_volumes: Points
     volumes: list[Points] = field(default_factory=list)
-    moments: list[tuple[str, int]] = field(default_factory=list)
-
-    def look(self, take: Take, frame: int) -> None:
-        """Measures the current frame."""
-        self.volumes.append(self.shells.volumes(positions(self.mesh_object)))
-        self.moments.append((take.name, frame))
 
 
-def rest_tracks(meshes: Meshes, armatures: Meshes) -> list[Track]:
+def at_rest(meshes: Meshes, armatures: Meshes) -> list[Track]:
     """The meshes with their armatures in rest position, nothing played yet."""
     shells = [undeformed_shells(mesh_object) for mesh_object in meshes]
     for armature in armatures:
@@ -44,8 +38,10 @@ def rest_tracks(meshes: Meshes, armatures: Meshes) -> list[Track]:
 
 
 def play(tracks: list[Track], takes: list[Take], after_frame: Callable[[], None] = lambda: None) -> None:
-    """Measures every mesh on every frame; `after_frame` is called when a frame has been measured."""
-    for take, frame in played(takes):
+    """Measures every mesh anew on every frame; `after_frame` is called when a frame has been measured."""
+    for track in tracks:
+        track.volumes.clear()
+    for _ in played(takes):
         for track in tracks:
-            track.look(take, frame)
+            track.volumes.append(track.shells.volumes(positions(track.mesh_object)))
         after_frame()

@@ -83,10 +83,7 @@ def takes(armatures: list[bpy.types.Object]) -> list[Take]:
     still = [armature for armature in armatures if armature not in {armature for armature, _ in found}]
     found += [(armature, random_poses(armature)) for armature in still]
     count = max(LEAST_FRAMES_PER_TAKE, FRAME_COUNT // max(1, len(found)))
-    return [
-        Take(action.name, armature, action, sampled(action.frame_range[0], action.frame_range[1], count))
-        for armature, action in found
-    ]
+    return [Take(action.name, armature, action, sampled(action, count)) for armature, action in found]
 
 
 def played(all_takes: list[Take]) -> Iterator[tuple[Take, int]]:

@@ -10,7 +10,9 @@ from time import perf_counter
 
 import bpy
 
-from .evaluated import armature_modifier, evaluated, only_modifiers_before
+from .evaluated import armature_modifier, evaluated, modifier_after, only_modifiers_before
+from .live import frame_times, volume_modifier
+from .report import Timings
 from .takes import Take
 
 # Frames timed; the first few warm caches and are not counted.
@@ -57,12 +59,22 @@ def timed_frames(takes: list[Take]) -> Iterator[float]:
             yield milliseconds
 
 
-def armature_times(mesh_object: bpy.types.Object, end: bpy.types.Modifier, takes: list[Take]) -> ArmatureTimes:
-    """With `end` and all modifiers after it off, so that the Armature is the last."""
+def armature_times(mesh_object: bpy.types.Object, takes: list[Take]) -> ArmatureTimes:
+    """With Turgor and all modifiers after it off, so that the Armature is the last."""
     name = armature_modifier(mesh_object).name
     modifier, frame = [], []
-    with only_modifiers_before(mesh_object, end):
+    with only_modifiers_before(mesh_object, volume_modifier(mesh_object)):
         for milliseconds in timed_frames(takes):
             frame.append(milliseconds)
             modifier.append(1000.0 * evaluated(mesh_object).modifiers[name].execution_time)
     return ArmatureTimes(median(modifier), median(frame))
+
+
+def live_times(mesh_object: bpy.types.Object, takes: list[Take]) -> Timings:
+    """With Turgor on and all modifiers after it off; what it does not do itself is the dependency graph's."""
+    rows = []
+    with only_modifiers_before(mesh_object, modifier_after(mesh_object, volume_modifier(mesh_object))):
+        for milliseconds in timed_frames(takes):
+            own = frame_times(mesh_object)
+            rows.append((*own, milliseconds - sum(own)))
+    return Timings(*(median(column) for column in zip(*rows, strict=True)))

@@ -1,0 +1,91 @@
+"""Turgor on one mesh: turned on as an artist does, and asked what it did in the current frame.
+
+Figures come from the enabled extension itself: the module that the zip installed.
+"""
+
+from __future__ import annotations
+
+import importlib
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import numpy as np
+import turgor
+
+from .enclosed_volume import Points
+from .evaluated import evaluated
+from .extension import MODULE
+
+
+def extension_module(name: str) -> Any:
+    """A module of the installed extension."""
+    return importlib.import_module(f"{MODULE}.{name}")
+
+
+def character(mesh_object: bpy.types.Object) -> Any:
+    """What the extension knows of a mesh."""
+    return extension_module("runtime").character(mesh_object.session_uid)
+
+
+def turn_on(mesh_object: bpy.types.Object) -> str | None:
+    """By the extension's operator; returns why it could not be done."""
+    for item in bpy.context.view_layer.objects:
+        item.select_set(item == mesh_object)
+    bpy.context.view_layer.objects.active = mesh_object
+    try:
+        bpy.ops.object.turgor_volume_add()
+    except RuntimeError as error:
+        return str(error).removeprefix("Error: ").strip()
+    return character(mesh_object).problem
+
+
+def volume_modifier(mesh_object: bpy.types.Object) -> bpy.types.Modifier | None:
+    """The modifier the extension added."""
+    return extension_module("scene.stack").volume_modifier(mesh_object)
+
+
+@dataclass(frozen=True)
+class LiveFrame:
+    """What the extension's engine says of the current frame."""
+
+    engine: turgor.VolumeSkin
+    report: turgor.Report
+
+    @property
+    def target_volumes(self) -> Points:
+        """(K,) per component of the engine's mesh."""
+        return self.report.target_volumes
+
+    def worst_joint(self) -> tuple[int, float]:
+        """Bone of the joint that lost most, and the joint's length in armature space."""
+        worst = int(np.argmax(np.abs(self.report.joint_losses)))
+        return int(self.engine.joint_bones[worst]), float(self.engine.joint_lengths[worst])
+
+
+def live_frame(mesh_object: bpy.types.Object) -> LiveFrame:
+    """Runs the extension's own frame once more, into an array that is thrown away."""
+    found: list[LiveFrame] = []
+
+    def run(engine: turgor.VolumeSkin, pose_matrices: Any, options: dict[str, Any]) -> turgor.Report:
+        offsets = np.empty((engine.mesh.vertex_count, 3), dtype=np.float32)
+        report = engine.deform_into(offsets, pose_matrices, **options)
+        found.append(LiveFrame(engine, report))
+        return report
+
+    target = evaluated(mesh_object)
+    extension_module("live.frame").correct(target, len(target.data.vertices), run)
+    if not found:
+        raise SystemExit(f"{mesh_object.name}: {character(mesh_object).problem}")
+    return found[0]
+
+
+def bone_name(mesh_object: bpy.types.Object, bone: int) -> str:
+    """Name of a bone by the engine's index."""
+    return character(mesh_object).body.bones.names[bone]
+
+
+def frame_times(mesh_object: bpy.types.Object) -> tuple[float, float, float]:
+    """Milliseconds of reading, engine and writing in the frame just evaluated."""
+    timing = character(mesh_object).timing
+    return timing.read, timing.engine, timing.write
