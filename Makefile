@@ -60,8 +60,9 @@ dist/.extension: dist/.wheel $(EXTENSION_SOURCES)
 demo: dist/.extension .fixtures/.ready $(NEWEST)/.ready ## pictures and figures of a character in demo_out/: make demo [FILE=path]
 	$(NEWEST)/bin/python -m demo $(if $(FILE),"$(FILE)",.fixtures/elephant.blend) --extension dist/*.zip --output demo_out
 
-.fixtures/.ready: $(FIXTURE_SOURCES) $(NEWEST)/.ready
-	$(NEWEST)/bin/python -m blend_fixtures .fixtures
+# Made by the older Blender, so that both can read them.
+.fixtures/.ready: $(FIXTURE_SOURCES) .venv-3.11/.ready
+	$(TOOLS)/python -m blend_fixtures .fixtures
 	touch $@
 
 # ---- judge it ------------------------------------------------------------------------------------------------------
@@ -74,7 +75,7 @@ test-rust:
 test-python: dist/engine
 	PYTHONPATH=dist/engine $(TOOLS)/python -m pytest $(PYTEST_FLAGS) tests/architecture tests/engine tests/logic
 
-test-3.11 $(if $(HAS_3.13),test-3.13): test-%: dist/.extension dist/engine .venv-%/.ready
+test-3.11 $(if $(HAS_3.13),test-3.13): test-%: dist/.extension dist/engine .fixtures/.ready .venv-%/.ready
 	PYTHONPATH=dist/engine .venv-$*/bin/python -m pytest $(PYTEST_FLAGS) tests/fixtures tests/demo tests/blender
 
 ifndef HAS_3.13
