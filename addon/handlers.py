@@ -1,0 +1,120 @@
+"""Blender's events -> live. Each takes what it needs from its arguments and returns at once without work for it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+from bpy.app.handlers import persistent
+
+from . import migrations, properties, runtime
+from .live import housekeeping, pull, push, route, start
+from .scene import node_group
+
+
+@persistent
+def load_post(*_arguments: Any) -> None:
+    runtime.forget_file()
+    migrations.migrate(housekeeping.characters())
+    start.start()
+
+
+@persistent
+def frame_change_pre(*_arguments: Any) -> None:
+    _start_once()
+
+
+@persistent
+def frame_change_post(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    if not _is_idle():
+        _finish(depsgraph)
+
+
+@persistent
+def depsgraph_update_post(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    if _is_idle():
+        return
+    _start_once()
+    if not runtime.session.is_rendering:
+        route.choose()
+        start.follow(depsgraph)
+    _finish(depsgraph)
+
+
+@persistent
+def save_pre(*_arguments: Any) -> None:
+    if not _is_idle():
+        with runtime.quiet():
+            housekeeping.remove_orphans()
+            push.clear_all()
+
+
+@persistent
+def save_post(*_arguments: Any) -> None:
+    if not _is_idle() and runtime.session.route == "PUSH":
+        push.write_all(bpy.context.evaluated_depsgraph_get())
+
+
+@persistent
+def render_init(*_arguments: Any) -> None:
+    if not _is_idle():
+        _start_once()
+        start.bind_waiting()
+    runtime.session.is_rendering = True
+
+
+@persistent
+def render_end(*_arguments: Any) -> None:
+    runtime.session.is_rendering = False
+
+
+def _is_idle() -> bool:
+    return runtime.session.is_quiet or not node_group.exists()
+
+
+def _start_once() -> None:
+    if not runtime.session.is_started and not runtime.session.is_quiet:
+        start.start()
+
+
+def _finish(depsgraph: bpy.types.Depsgraph) -> None:
+    if not runtime.session.is_rendering:
+        start.bind_waiting()
+        _redraw_panels()
+    if runtime.session.route == "PUSH":
+        push.write_all(depsgraph)
+
+
+def _redraw_panels() -> None:
+    """Show the figures of this evaluation; not while playing, where Blender leaves panels alone too."""
+    for window in bpy.context.window_manager.windows:
+        if not window.screen.is_animation_playing:
+            for area in window.screen.areas:
+                if area.type == "PROPERTIES":
+                    area.tag_redraw()
+
+
+HANDLERS = (
+    ("load_post", load_post),
+    ("frame_change_pre", frame_change_pre),
+    ("frame_change_post", frame_change_post),
+    ("depsgraph_update_post", depsgraph_update_post),
+    ("save_pre", save_pre),
+    ("save_post", save_post),
+    ("render_init", render_init),
+    ("render_complete", render_end),
+    ("render_cancel", render_end),
+)
+
+
+def register() -> None:
+    properties.TurgorCarrier.on_tick = staticmethod(pull.on_tick)
+    for event, handler in HANDLERS:
+        getattr(bpy.app.handlers, event).append(handler)
+
+
+def unregister() -> None:
+    for event, handler in reversed(HANDLERS):
+        getattr(bpy.app.handlers, event).remove(handler)
+    properties.TurgorCarrier.on_tick = staticmethod(properties.ignore_tick)
+    runtime.session = runtime.Session()

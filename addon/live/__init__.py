@@ -1,0 +1,1 @@
+"""Where Blender data and the engine meet: binding, the frame, the two routes, housekeeping."""

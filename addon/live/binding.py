@@ -1,0 +1,159 @@
+"""Binding: the stack before the Armature is read once, and the engine prepared. On the main thread only.
+
+Bound engines are never saved. The same file gives the same binding in every session, so frames are equal bit for bit.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import bpy
+from turgor import TurgorError
+
+from .. import runtime
+from ..logic import body, fingerprint, weights
+from ..logic.joints import Tables
+from ..scene import carrier, drivers, rest, settings, skeleton, stack
+from . import profiles
+
+
+class Bound(NamedTuple):
+    """A character's engine and what a frame needs to call it."""
+
+    body: body.Body
+    bones: skeleton.RestBones
+    content: str  # fingerprint of all that was bound
+    tables: dict[int, Tables]  # Custom curves, by place of the joint
+
+
+class BindError(ValueError):
+    """Why the character cannot be corrected, and what to do."""
+
+
+def is_editable(ob: bpy.types.Object) -> bool:
+    """Local, or a library override: what is written will be saved."""
+    return ob.library is None
+
+
+def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
+    """Bind, or leave a problem for the panel and the log and the mesh as Blender shows it.
+
+    accept_topology: the artist agrees that the mesh has other vertices or faces than when it was bound.
+    """
+    known = runtime.character(target.session_uid)
+    known.needs_rebind = False
+    known.signature = stack.signature(target)
+    problem = None
+    try:
+        with runtime.quiet():
+            bound = _bind(target, known.body, accept_topology)
+    except (BindError, rest.ShapeKeyTopologyError, TurgorError) as error:
+        bound, problem = None, str(error)
+    known.body = bound
+    known.notes = () if bound is None else bound.body.uncorrected_parts()
+    difference = stack.render_difference(target)
+    if difference is not None:
+        known.notes += (difference,)
+    runtime.set_problem(target.session_uid, target.name, problem)
+    holder = carrier.carrier_of(target)
+    if holder is not None:
+        holder.turgor.carrier.mesh.update_tag()
+
+
+def refresh_tables(target: bpy.types.Object) -> None:
+    """Read the Custom curves again; tag the character when they changed."""
+    known = runtime.character(target.session_uid)
+    if known.body is None:
+        return
+    tables = profiles.tables(target)
+    if fingerprint.fingerprint(_flat(tables)) != fingerprint.fingerprint(_flat(known.body.tables)):
+        known.body = known.body._replace(tables=tables)
+        carrier.carrier_of(target).turgor.carrier.mesh.update_tag()
+
+
+def _flat(tables: dict[int, Tables]) -> list[object]:
+    return [part for place in sorted(tables) for part in ([place], *tables[place])]
+
+
+def _bind(target: bpy.types.Object, before: Bound | None, accept_topology: bool) -> Bound:
+    obstacle = stack.obstacle(target)
+    if obstacle is not None:
+        raise BindError(obstacle)
+    armature = stack.armature_modifier(target)
+    group_names = [group.name for group in target.vertex_groups]
+    bones = skeleton.read_bones(armature.object, group_names)
+    if not len(bones.names):
+        raise BindError(f"No vertex group is named after a deform bone of {armature.object.name}: assign weights")
+    read = rest.read_rest(target, armature, target.turgor.bound_frame)
+    if not len(read.positions):
+        raise BindError("The mesh has no vertices before the Armature modifier: give it some")
+    _check_topology(target, read, accept_topology)
+    content = fingerprint.fingerprint(
+        [*read, *bones[1:]],
+        bones.names,
+        group_names,
+        armature.vertex_group,
+        armature.invert_vertex_group,
+        armature.use_deform_preserve_volume,
+    )
+    if before is not None and is_editable(target):
+        settings.rename_joints(target, _renamed(before.bones, bones))
+    if before is not None and before.content == content:
+        made = before.body
+    else:
+        made = _engine(read, bones, group_names, armature)
+    if is_editable(target):
+        _prepare_scene(target, armature.object, bones, made)
+    return Bound(made, bones, content, profiles.tables(target))
+
+
+def _check_topology(target: bpy.types.Object, read: rest.RestMesh, accept: bool) -> None:
+    found = fingerprint.fingerprint([read.face_offsets, read.face_corners], len(read.positions))
+    saved = target.turgor.bound_topology
+    if found == saved:
+        return
+    if saved and not accept:
+        runtime.character(target.session_uid).needs_rebind = True
+        raise BindError("Mesh changed: its vertices or faces are others than when it was bound; press Rebind")
+    if is_editable(target):
+        target.turgor.bound_topology = found
+
+
+def _engine(
+    read: rest.RestMesh,
+    bones: skeleton.RestBones,
+    group_names: list[str],
+    armature: bpy.types.ArmatureModifier,
+) -> body.Body:
+    groups = (read.weight_offsets, read.weight_groups, read.weights)
+    deform = {name: index for index, name in enumerate(bones.names) if bones.is_deform[index]}
+    mask = None
+    if armature.vertex_group in group_names:
+        mask = weights.vertex_mask(*groups, group_names.index(armature.vertex_group), armature.invert_vertex_group)
+    return body.bind(
+        read.positions,
+        read.face_offsets,
+        read.face_corners,
+        bones.parents,
+        bones.rest_matrices,
+        weights.bone_weights(*groups, group_names, deform),
+        mask,
+        armature.use_deform_preserve_volume,
+        read.shape_deltas,
+    )
+
+
+def _renamed(before: skeleton.RestBones, after: skeleton.RestBones) -> dict[str, str]:
+    """New names of bones, when nothing but names changed."""
+    is_same = before.parents.tolist() == after.parents.tolist()
+    return dict(zip(before.names, after.names, strict=True)) if is_same else {}
+
+
+def _prepare_scene(
+    target: bpy.types.Object, rig: bpy.types.Object, bones: skeleton.RestBones, made: body.Body
+) -> None:
+    settings.add_joints(target, tuple(bones.names[bone] for bone in made.joint_bones))
+    holder = carrier.carrier_of(target)
+    if holder is not None and is_editable(holder):
+        carrier.resize(holder, made.vertex_count)
+        drivers.write_tick(holder, rig, bones.names)

@@ -1,0 +1,86 @@
+"""One frame of one character: evaluated data -> engine -> offsets. Safe on a worker thread; never raises."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from time import perf_counter
+from typing import Any
+
+import bpy
+import numpy as np
+import turgor
+from numpy.typing import NDArray
+
+from .. import properties, runtime
+from ..logic import figures, joints
+from ..scene import frame, settings
+from .binding import Bound
+
+PRESET_NAMES = tuple(item[0].lower() for item in properties.PRESETS)
+
+# Runs the engine on pose matrices (B, 4, 4) with its keyword arguments, into offsets that the caller knows.
+Run = Callable[[turgor.VolumeSkin, NDArray[np.float32], dict[str, Any]], turgor.Report]
+
+
+def correct(target: bpy.types.Object, vertex_count: int, run: Run) -> bool:
+    """Correct the evaluated `target`. False: there is nothing to show but plain skinning, offsets must be zero."""
+    original = target.original
+    uid = original.session_uid
+    known = runtime.session.characters.get(uid)
+    if known is None:
+        runtime.session.waiting.add(uid)
+        return False
+    bound: Bound | None = known.body
+    if bound is None or bound.body.vertex_count != vertex_count:
+        return False
+    try:
+        _correct(target, known, bound, run)
+    except Exception as error:  # nothing may leave a getter or a handler; the artist reads it in the panel
+        runtime.set_problem(uid, original.name, str(error) or repr(error))
+        return False
+    runtime.set_problem(uid, original.name, None)
+    return True
+
+
+def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, run: Run) -> None:
+    started = perf_counter()
+    inputs = frame.read_frame(target)
+    saved = settings.read_settings(target)
+    if len(inputs.pose_matrices) <= bound.bones.pose_indices.max():
+        raise frame.FrameError("Bones were removed from the armature: leave its edit mode, or press Rebind")
+    pose_matrices = np.ascontiguousarray(inputs.pose_matrices[bound.bones.pose_indices])
+    options = {"object_from_armature": inputs.object_from_armature, "target_scale": saved.target_volume}
+    if len(inputs.shape_values):
+        options["shape_values"] = inputs.shape_values
+    engine = bound.body.with_settings(
+        _key(saved, bound),
+        lambda: _joints(target, saved, bound),
+        saved.solver.lower(),
+        saved.keep_bone_scale,
+    )
+    read = perf_counter()
+    report = run(engine, pose_matrices, options)
+    done = perf_counter()
+    if not runtime.session.is_rendering:
+        known.figures = _figures(report, bound)
+        known.timing = runtime.Timing(1e3 * (read - started), 1e3 * (done - read), 0.0)
+
+
+def _key(saved: settings.BodySettings, bound: Bound) -> object:
+    arrays = tuple(array.tobytes() for array in saved.joints)
+    return arrays, saved.solver, saved.keep_bone_scale, id(bound.tables)
+
+
+def _joints(target: bpy.types.Object, saved: settings.BodySettings, bound: Bound) -> list[turgor.Joint]:
+    index = {name: number for number, name in enumerate(bound.bones.names)}
+    bones = [index.get(name) for name in settings.joint_names(target)]
+    presets, *arrays = saved.joints
+    return joints.engine_joints(bones, [PRESET_NAMES[preset] for preset in presets], *arrays, bound.tables)
+
+
+def _figures(report: turgor.Report, bound: Bound) -> runtime.Figures:
+    found = figures.frame_figures(report, bound.body.rest_volume)
+    names = [bound.bones.names[bone] for bone in bound.body.joint_bones]
+    rows = zip(found.lost, found.regained, found.is_capped, strict=True)
+    by_bone = {name: runtime.JointFigures(*row) for name, row in zip(names, rows, strict=True)}
+    return runtime.Figures(found.corrected_deviation, found.skinned_deviation, by_bone)

@@ -1,0 +1,74 @@
+"""What comes and goes with a character: carriers, node groups, hidden curve trees. Main thread only."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import bpy
+
+from .. import properties, runtime
+from ..scene import carrier, curves, drivers, node_group, stack
+from . import binding
+
+
+def characters() -> list[bpy.types.Object]:
+    """All objects of the file with our modifier."""
+    return [ob for ob in bpy.data.objects if ob.type == "MESH" and stack.volume_modifier(ob) is not None]
+
+
+def add(target: bpy.types.Object) -> None:
+    """Put the modifier after the Armature and bind. The object has no obstacle and no modifier of ours."""
+    armature = stack.armature_modifier(target)
+    modifiers = list(target.modifiers)
+    ours = target.modifiers.new(stack.MODIFIER_NAME, "NODES")
+    target.modifiers.move(len(modifiers), modifiers.index(armature) + 1)
+    ours.node_group = node_group.ensure()
+    ours.show_in_editmode = armature.show_in_editmode
+    saved = target.turgor
+    saved.version = properties.DATA_VERSION
+    saved.bound_frame = bpy.context.scene.frame_current
+    drivers.follow_armature(target, ours, armature)
+    carrier.assign(target, carrier.create(target))
+    binding.bind(target, accept_topology=True)
+
+
+def remove(target: bpy.types.Object) -> None:
+    """Leave nothing behind: modifier (Blender removes its drivers), carrier, curves, settings, unused node groups."""
+    holder = carrier.carrier_of(target)
+    target.modifiers.remove(stack.volume_modifier(target))
+    if holder is not None and carrier.is_orphan(holder):
+        carrier.remove(holder)
+    forget_settings(target)
+    node_group.remove_unused()
+
+
+def forget_settings(target: bpy.types.Object) -> None:
+    """Drop saved and runtime settings of an object without our modifier."""
+    curves.remove_tree(target)
+    target.property_unset("turgor")
+    runtime.session.characters.pop(target.session_uid, None)
+
+
+def give_own_carriers(objects: Iterable[bpy.types.Object]) -> None:
+    """After Shift-D a copy reads the carrier and the curves of its original; give it its own."""
+    for ob in objects:
+        if stack.volume_modifier(ob) is None or not binding.is_editable(ob):
+            continue
+        holder = carrier.carrier_of(ob)
+        if holder is not None and holder.turgor.carrier.target == ob:
+            continue
+        others = [other for other in characters() if other != ob]
+        curves.make_single_user(ob, others)
+        carrier.assign(ob, carrier.create(ob))
+
+
+def remove_orphans() -> None:
+    """Carriers whose modifier was removed by its X, or whose character was deleted."""
+    orphans = [holder for holder in carrier.carriers() if carrier.is_orphan(holder)]
+    for holder in orphans:
+        target = holder.turgor.carrier.target
+        carrier.remove(holder)
+        if target is not None and stack.volume_modifier(target) is None:
+            forget_settings(target)
+    if orphans:
+        node_group.remove_unused()

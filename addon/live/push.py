@@ -1,0 +1,56 @@
+"""Push: frame handlers write the carriers and have them evaluated again. Two evaluations per frame."""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import Any
+
+import bpy
+import numpy as np
+import turgor
+from numpy.typing import NDArray
+
+from .. import runtime
+from ..scene import carrier
+from . import frame
+
+
+def write_all(depsgraph: bpy.types.Depsgraph) -> None:
+    """Correct every character of this evaluation; what is equal already is not written, so nothing runs in circles."""
+    for holder in carrier.carriers():
+        target = holder.turgor.carrier.target
+        if target is not None:
+            evaluated = target.evaluated_get(depsgraph)
+            if evaluated.is_evaluated:
+                _write(holder, evaluated)
+
+
+def clear_all() -> None:
+    """Zero the carriers: what is saved shows plain skinning without the extension."""
+    for holder in carrier.carriers():
+        mesh = holder.turgor.carrier.mesh
+        _write_changed(mesh, np.zeros((len(mesh.vertices), 3), np.float32))
+
+
+def _write(holder: bpy.types.Object, target: bpy.types.Object) -> None:
+    mesh = holder.turgor.carrier.mesh
+    offsets = np.zeros((len(mesh.vertices), 3), np.float32)
+    if not len(offsets):
+        return
+
+    def run(engine: turgor.VolumeSkin, pose_matrices: NDArray[np.float32], options: dict[str, Any]) -> turgor.Report:
+        return engine.deform_into(offsets, pose_matrices, **options)
+
+    if not frame.correct(target, len(offsets), run):
+        offsets[...] = 0.0
+    started = perf_counter()
+    _write_changed(mesh, offsets)
+    known = runtime.character(target.original.session_uid)
+    if known.timing is not None:
+        milliseconds = 1e3 * (perf_counter() - started)
+        known.timing = runtime.Timing(known.timing.read, known.timing.engine, milliseconds)
+
+
+def _write_changed(mesh: bpy.types.Mesh, offsets: NDArray[np.float32]) -> None:
+    if not np.array_equal(carrier.read_offsets(mesh), offsets):
+        carrier.write_offsets(mesh, offsets)

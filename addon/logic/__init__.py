@@ -1,0 +1,1 @@
+"""Settings and arrays to engine calls; runs without Blender."""

@@ -1,0 +1,87 @@
+"""A bound character: the engine's binding, and the same binding under the settings of a frame."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Literal
+
+import numpy as np
+import turgor
+from numpy.typing import NDArray
+
+from .weights import BoneWeights
+
+Solver = Literal["simultaneous", "sequential"]
+
+_WHY_NOT_CORRECTED = {
+    "sheet": "too open to hold a volume",
+    "flat": "flat, holds no volume",
+    "non_manifold": "edges with three or more faces",
+    "not_orientable": "faces that cannot agree which side is out",
+}
+
+
+def bind(
+    positions: NDArray[np.float32],
+    face_offsets: NDArray[np.int32],
+    face_corners: NDArray[np.int32],
+    parents: NDArray[np.int32],
+    rest_matrices: NDArray[np.float64],
+    weights: BoneWeights,
+    vertex_mask: NDArray[np.float32] | None,
+    is_dual_quaternion: bool,
+    shape_deltas: NDArray[np.float32],
+) -> Body:
+    """Shapes as in the fields of `scene.rest.RestMesh` and `scene.skeleton.RestBones`."""
+    skinning = turgor.Skinning(
+        turgor.Skeleton(parents, rest_matrices),
+        *weights,
+        mode="dual_quaternion" if is_dual_quaternion else "linear",
+        vertex_mask=vertex_mask,
+    )
+    mesh = turgor.Mesh(positions, face_offsets, face_corners)
+    return Body(turgor.VolumeSkin(mesh, skinning, shape_deltas=shape_deltas if len(shape_deltas) else None))
+
+
+class Body:
+    """Keeps the engine of the last settings; safe to call from several threads."""
+
+    def __init__(self, engine: turgor.VolumeSkin) -> None:
+        self._bound = engine
+        self._current: tuple[object, turgor.VolumeSkin] = (None, engine)
+
+    @property
+    def joint_bones(self) -> list[int]:
+        """Bones that have a joint, parents first: the order of the report."""
+        return self._bound.joint_bones.tolist()
+
+    @property
+    def vertex_count(self) -> int:
+        """Vertices of the stack after the Armature."""
+        return self._bound.mesh.vertex_count
+
+    @property
+    def rest_volume(self) -> float:
+        """Volume of all corrected components, each counted positive."""
+        return sum(abs(part.rest_volume) for part in self._bound.mesh.components if part.is_sound)
+
+    def with_settings(
+        self, key: object, joints: Callable[[], Sequence[turgor.Joint]], solver: Solver, keep_bone_scale: bool
+    ) -> turgor.VolumeSkin:
+        """The engine for these settings. key: changes whenever any of the settings does."""
+        known_key, engine = self._current
+        if known_key != key:
+            engine = self._bound.with_joints(joints(), solver=solver, keep_bone_scale=keep_bone_scale)
+            self._current = (key, engine)
+        return engine
+
+    def uncorrected_parts(self) -> tuple[str, ...]:
+        """One line per kind of component that stays as skinned, for the artist."""
+        found: dict[str, int] = {}
+        for part in self._bound.mesh.components:
+            if not part.is_sound:
+                found[part.status] = found.get(part.status, 0) + 1
+        return tuple(
+            f"{count} part{'s' if count > 1 else ''} not corrected: {_WHY_NOT_CORRECTED[status]}"
+            for status, count in sorted(found.items())
+        )

@@ -1,0 +1,48 @@
+"""Vertex groups -> blend weights of bones."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class BoneWeights(NamedTuple):
+    """W influences of N vertices, stored order kept."""
+
+    offsets: NDArray[np.int32]  # (N + 1,)
+    bones: NDArray[np.int32]  # (W,)
+    weights: NDArray[np.float32]  # (W,)
+
+
+def bone_weights(
+    offsets: NDArray[np.int32],
+    groups: NDArray[np.int32],
+    weights: NDArray[np.float32],
+    group_names: Sequence[str],
+    bone_indices: Mapping[str, int],
+) -> BoneWeights:
+    """Only groups that name a deform bone count."""
+    bone_of_group = np.array([bone_indices.get(name, -1) for name in group_names] + [-1], np.int32)
+    # A weight may name a group that was deleted.
+    bones = bone_of_group[np.minimum(groups, len(group_names))]
+    is_kept = bones >= 0
+    kept_before = np.concatenate([[0], np.cumsum(is_kept)]).astype(np.int32)
+    return BoneWeights(kept_before[offsets], bones[is_kept], weights[is_kept])
+
+
+def vertex_mask(
+    offsets: NDArray[np.int32],
+    groups: NDArray[np.int32],
+    weights: NDArray[np.float32],
+    group: int,
+    is_inverted: bool,
+) -> NDArray[np.float32]:
+    """(N,) influence by one vertex group; vertices outside have none, or all when inverted."""
+    vertices = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+    mask = np.zeros(len(offsets) - 1, np.float32)
+    is_member = groups == group
+    mask[vertices[is_member]] = weights[is_member]
+    return 1.0 - mask if is_inverted else mask

@@ -1,0 +1,1 @@
+"""What the artist can do; each operator is one undo step."""

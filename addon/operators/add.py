@@ -1,0 +1,61 @@
+"""Add Turgor Volume to the selected characters."""
+
+from __future__ import annotations
+
+import bpy
+
+from .. import runtime
+from ..live import housekeeping, route
+from ..scene import stack
+
+
+class OBJECT_OT_turgor_volume_add(bpy.types.Operator):
+    bl_idname = "object.turgor_volume_add"
+    bl_label = "Turgor Volume"
+    bl_description = "Keep the exact volume of the selected meshes while their armature bends them"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        ob = context.object
+        if context.mode not in {"OBJECT", "POSE"}:
+            cls.poll_message_set("Leave the edit or paint mode first")
+            return False
+        meshes = [ob for ob in {context.object, *context.selected_objects} if ob is not None and ob.type == "MESH"]
+        if not meshes:
+            cls.poll_message_set("Select a mesh that an armature deforms")
+            return False
+        if ob in meshes and len(meshes) == 1:
+            reason = _refusal(ob)
+            if reason is not None:
+                cls.poll_message_set(reason)
+                return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        added = 0
+        with runtime.quiet():
+            route.choose()
+            for ob in sorted({context.object, *context.selected_objects} - {None}, key=lambda ob: ob.name):
+                if ob.type != "MESH":
+                    continue
+                reason = _refusal(ob)
+                if reason is None:
+                    housekeeping.add(ob)
+                    reason = runtime.character(ob.session_uid).problem
+                    added += 1
+                if reason is not None:
+                    self.report({"WARNING"}, f"{ob.name}: {reason}")
+        return {"FINISHED"} if added else {"CANCELLED"}
+
+
+def _refusal(ob: bpy.types.Object) -> str | None:
+    if ob.library is not None:
+        return "The object is linked: make a library override first"
+    if stack.volume_modifier(ob) is not None:
+        return "The object has Turgor Volume already"
+    return stack.obstacle(ob)
+
+
+def draw(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
+    menu.layout.operator(OBJECT_OT_turgor_volume_add.bl_idname, icon="MOD_ARMATURE")

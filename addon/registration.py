@@ -1,0 +1,43 @@
+"""All classes and handlers, registered in order and undone in reverse."""
+
+from __future__ import annotations
+
+import bpy
+
+from . import handlers, properties
+from .operators.add import OBJECT_OT_turgor_volume_add
+from .operators.add import draw as draw_add
+from .operators.rebind import OBJECT_OT_turgor_volume_rebind
+from .operators.remove import OBJECT_OT_turgor_volume_remove
+from .panels.joint import TURGOR_PT_joint
+from .panels.joints import TURGOR_UL_joints
+from .panels.volume import TURGOR_PT_volume
+
+CLASSES = (
+    properties.TurgorCarrier,
+    properties.TurgorJoint,
+    properties.TurgorObject,
+    properties.TurgorPreferences,
+    OBJECT_OT_turgor_volume_add,
+    OBJECT_OT_turgor_volume_remove,
+    OBJECT_OT_turgor_volume_rebind,
+    TURGOR_UL_joints,
+    TURGOR_PT_volume,
+    TURGOR_PT_joint,
+)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    properties.register()
+    bpy.types.OBJECT_MT_modifier_add_deform.append(draw_add)
+    handlers.register()
+
+
+def unregister() -> None:
+    handlers.unregister()
+    bpy.types.OBJECT_MT_modifier_add_deform.remove(draw_add)
+    properties.unregister()
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

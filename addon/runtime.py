@@ -1,0 +1,113 @@
+"""What lives while Blender runs and is never saved: bound engines, figures of the last frame, problems.
+
+The dependency graph may ask for a correction on a worker thread, so everything here is replaced as a whole, never
+changed in place, and `lock` guards what is read before it is written.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+log = logging.getLogger("turgor")
+lock = threading.RLock()
+
+
+@dataclass(frozen=True)
+class JointFigures:
+    """Percent of the rest volume."""
+
+    lost: float
+    regained: float
+    is_capped: bool
+
+
+@dataclass(frozen=True)
+class Figures:
+    """One frame of a character in the viewport. Deviations in percent of the target volume."""
+
+    corrected_deviation: float
+    skinned_deviation: float
+    joints: dict[str, JointFigures]
+
+
+@dataclass(frozen=True)
+class Timing:
+    """One frame, milliseconds."""
+
+    read: float
+    engine: float
+    write: float
+
+    @property
+    def total(self) -> float:
+        return self.read + self.engine + self.write
+
+
+@dataclass
+class Character:
+    """By session uid of the character's object."""
+
+    body: Any = None  # live.binding.Bound
+    signature: tuple[object, ...] = ()
+    problem: str | None = None
+    needs_rebind: bool = False
+    is_stale: bool = False
+    notes: tuple[str, ...] = ()
+    figures: Figures | None = None
+    timing: Timing | None = None
+
+
+@dataclass
+class Session:
+    """State of the whole session; `route` is empty until it was chosen."""
+
+    characters: dict[int, Character] = field(default_factory=dict)
+    waiting: set[int] = field(default_factory=set)
+    route: str = ""
+    route_reason: str = ""
+    is_forced: bool = False
+    is_started: bool = False
+    is_rendering: bool = False
+    is_quiet: bool = False
+
+
+session = Session()
+
+
+def forget_file() -> None:
+    """Another file was loaded: its objects have other uids."""
+    with lock:
+        session.characters.clear()
+        session.waiting.clear()
+
+
+def character(uid: int) -> Character:
+    with lock:
+        return session.characters.setdefault(uid, Character())
+
+
+def set_problem(uid: int, name: str, problem: str | None) -> None:
+    """Show a problem in the panel and write it to the log once, until it is another."""
+    with lock:
+        known = character(uid)
+        is_news = problem is not None and problem != known.problem
+        known.problem = problem
+        if problem is not None:
+            known.figures = known.timing = None
+    if is_news:
+        log.warning("%s: %s", name, problem)
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Handlers do nothing within: the add-on itself is evaluating."""
+    before, session.is_quiet = session.is_quiet, True
+    try:
+        yield
+    finally:
+        session.is_quiet = before

@@ -1,0 +1,1 @@
+"""The only reader and writer of Blender data: whole arrays in, whole arrays out."""

@@ -1,0 +1,106 @@
+"""The carrier: a local object outside every scene, with one vertex per vertex of the stack after the Armature.
+
+Its attribute is zero in saved files, so that a file opened without the extension shows plain skinning.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from . import modifier_inputs, node_group, stack
+from .drivers import TICK_MODIFIER
+
+
+def carriers() -> Iterator[bpy.types.Object]:
+    """All carriers of the file, with or without a target."""
+    for ob in bpy.data.objects:
+        if is_carrier(ob):
+            yield ob
+
+
+def is_carrier(ob: bpy.types.Object) -> bool:
+    """Whether the object is one of ours that hold offsets."""
+    return ob.turgor.carrier.mesh is not None
+
+
+def carrier_of(ob: bpy.types.Object) -> bpy.types.Object | None:
+    """The carrier that the object's modifier reads, which after Shift-D is still that of the original."""
+    ours = stack.volume_modifier(ob)
+    if ours is None or not modifier_inputs.has_input(ours, node_group.CARRIER):
+        return None
+    return modifier_inputs.read_input(ours, node_group.CARRIER)
+
+
+def create(target: bpy.types.Object) -> bpy.types.Object:
+    """A carrier without vertices."""
+    mesh = bpy.data.meshes.new(f"Turgor {target.name}")
+    carrier = bpy.data.objects.new(mesh.name, mesh)
+    carrier.modifiers.new(TICK_MODIFIER, "NODES").node_group = node_group.ensure_tick()
+    carrier.turgor.carrier.mesh = mesh
+    carrier.turgor.carrier.target = target
+    resize(carrier, 0)
+    return carrier
+
+
+def assign(target: bpy.types.Object, carrier: bpy.types.Object) -> None:
+    """Let the object's modifier read this carrier."""
+    modifier_inputs.write_input(stack.volume_modifier(target), node_group.CARRIER, carrier)
+    target.update_tag()
+
+
+def resize(carrier: bpy.types.Object, vertex_count: int) -> None:
+    """Zero offsets for so many vertices; nothing happens when there are as many."""
+    mesh = carrier.data
+    if len(mesh.vertices) == vertex_count and node_group.OFFSET_ATTRIBUTE in mesh.attributes:
+        return
+    mesh.clear_geometry()
+    mesh.vertices.add(vertex_count)
+    mesh.attributes.new(node_group.OFFSET_ATTRIBUTE, "FLOAT_VECTOR", "POINT")
+
+
+def remove(carrier: bpy.types.Object) -> None:
+    """With its mesh."""
+    mesh = carrier.turgor.carrier.mesh
+    bpy.data.objects.remove(carrier)
+    if mesh is not None and mesh.users == 0:
+        bpy.data.meshes.remove(mesh)
+
+
+def is_orphan(carrier: bpy.types.Object) -> bool:
+    """Local, and its character is gone, was deleted from every scene, or no longer reads it."""
+    target = carrier.turgor.carrier.target
+    if carrier.library is not None or carrier.override_library is not None:
+        return False
+    if target is None or carrier_of(target) != carrier:
+        return True
+    is_only_ours = target.users == 1 and not target.use_fake_user
+    return is_only_ours and not target.users_collection
+
+
+def offsets_address(mesh: bpy.types.Mesh) -> tuple[int, int]:
+    """Where the evaluated offsets lie now, and for how many vertices; (0, 0) without any.
+
+    Asking for the address makes the layer private to this evaluation. Never keep it: it is good for one write.
+    """
+    attribute = mesh.attributes.get(node_group.OFFSET_ATTRIBUTE)
+    if attribute is None or len(attribute.data) == 0:
+        return 0, 0
+    return attribute.data[0].as_pointer(), len(attribute.data)
+
+
+def read_offsets(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
+    """(N, 3) object space."""
+    attribute = mesh.attributes[node_group.OFFSET_ATTRIBUTE]
+    offsets = np.empty((len(attribute.data), 3), np.float32)
+    attribute.data.foreach_get("vector", offsets.ravel())
+    return offsets
+
+
+def write_offsets(mesh: bpy.types.Mesh, offsets: NDArray[np.float32]) -> None:
+    """Write the original attribute, (N, 3) object space, and have the carrier evaluated again."""
+    mesh.attributes[node_group.OFFSET_ATTRIBUTE].data.foreach_set("vector", offsets.ravel())
+    mesh.update_tag()

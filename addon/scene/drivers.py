@@ -1,0 +1,106 @@
+"""Drivers without Python expressions: they run where scripts in files are not allowed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import bpy
+
+from . import modifier_inputs, node_group
+
+TICK_MODIFIER = "Turgor Tick"
+# A harmless switch of the user interface: writing it makes the dependency graph evaluate the carrier's geometry.
+TICK_PATH = f'modifiers["{TICK_MODIFIER}"].show_group_selector'
+
+
+
+class Source(NamedTuple):
+    """What a driver variable reads: a property, or the place of an object or bone."""
+
+    kind: str
+    id_type: str
+    owner: bpy.types.ID
+    path: str  # of the property; name of the bone
+
+
+def follow_armature(
+    ob: bpy.types.Object, ours: bpy.types.NodesModifier, armature: bpy.types.ArmatureModifier
+) -> None:
+    """Drive our hidden inputs by the switches of the Armature modifier."""
+    name = bpy.utils.escape_identifier(armature.name)
+    for identifier, switch in ((node_group.IN_VIEWPORT, "show_viewport"), (node_group.IN_RENDER, "show_render")):
+        driver = _new_driver(ob, modifier_inputs.input_path(ours, identifier))
+        _add_variable(driver, Source("SINGLE_PROP", "OBJECT", ob, f'modifiers["{name}"].{switch}'))
+
+
+def write_tick(carrier: bpy.types.Object, rig: bpy.types.Object, bone_names: Iterable[str]) -> None:
+    """Let the carrier's `tick` be read after all that one frame depends on has been evaluated.
+
+    Left alone when it already does: a new driver makes Blender rebuild the dependency graph.
+    """
+    wanted = _tick_sources(carrier, rig, bone_names)
+    curve = tick_curve(carrier)
+    if curve is not None and [_source(variable) for variable in curve.driver.variables] == wanted:
+        return
+    driver = _new_driver(carrier, TICK_PATH)
+    for source in wanted:
+        _add_variable(driver, source)
+
+
+def revalidate_tick(carrier: bpy.types.Object) -> None:
+    """A driver that ran without the extension stays marked as broken until its type is set again."""
+    curve = tick_curve(carrier)
+    if curve is not None:
+        curve.driver.type = curve.driver.type
+
+
+def tick_curve(carrier: bpy.types.Object) -> bpy.types.FCurve | None:
+    """The driver of `write_tick`."""
+    animation = carrier.animation_data
+    return None if animation is None else animation.drivers.find(TICK_PATH)
+
+
+def _new_driver(owner: bpy.types.ID, path: str) -> bpy.types.Driver:
+    owner.driver_remove(path)
+    curve = owner.driver_add(path)
+    while curve.modifiers:
+        curve.modifiers.remove(curve.modifiers[0])
+    curve.driver.type = "SUM"
+    return curve.driver
+
+
+def _tick_sources(carrier: bpy.types.Object, rig: bpy.types.Object, bone_names: Iterable[str]) -> list[Source]:
+    target = carrier.turgor.carrier.target
+    sources = [
+        Source("SINGLE_PROP", "OBJECT", carrier, "turgor.carrier.tick"),
+        Source("SINGLE_PROP", "MESH", carrier.turgor.carrier.mesh, "use_auto_texspace"),
+        Source("SINGLE_PROP", "MESH", target.data, "use_auto_texspace"),
+        Source("SINGLE_PROP", "OBJECT", target, "turgor.target_volume"),
+        Source("TRANSFORMS", "OBJECT", target, ""),
+        Source("TRANSFORMS", "OBJECT", rig, ""),
+    ]
+    sources += [Source("TRANSFORMS", "OBJECT", rig, name) for name in bone_names]
+    keys = target.data.shape_keys
+    if keys is not None:
+        names = (bpy.utils.escape_identifier(key.name) for key in keys.key_blocks[1:])
+        sources += [Source("SINGLE_PROP", "KEY", keys, f'key_blocks["{name}"].value') for name in names]
+    return sources
+
+
+def _source(variable: bpy.types.DriverVariable) -> Source:
+    target = variable.targets[0]
+    if variable.type == "TRANSFORMS":
+        return Source(variable.type, "OBJECT", target.id, target.bone_target)
+    return Source(variable.type, target.id_type, target.id, target.data_path)
+
+
+def _add_variable(driver: bpy.types.Driver, source: Source) -> None:
+    variable = driver.variables.new()
+    variable.type = source.kind
+    target = variable.targets[0]
+    if source.kind == "TRANSFORMS":
+        target.id, target.bone_target = source.owner, source.path
+        target.transform_type, target.transform_space = "LOC_X", "WORLD_SPACE"
+    else:
+        target.id_type, target.id, target.data_path = source.id_type, source.owner, source.path

@@ -1,0 +1,44 @@
+"""What one frame of the correction reads, from evaluated data only; safe on a worker thread."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from . import shape_keys, stack
+
+
+class FrameInputs(NamedTuple):
+    """The pose, where the armature stands, and the shape keys."""
+
+    pose_matrices: NDArray[np.float32]  # (P, 4, 4) pose @ inverse(rest) of all bones of the pose, armature space
+    object_from_armature: NDArray[np.float64]  # (4, 4)
+    shape_values: NDArray[np.float32]  # (K,)
+
+
+class FrameError(ValueError):
+    """The evaluated objects cannot be read; says what to do."""
+
+
+def read_frame(target: bpy.types.Object) -> FrameInputs:
+    """`target`: the evaluated character."""
+    armature = stack.armature_modifier(target)
+    if armature is None or armature.object is None:
+        raise FrameError(stack.obstacle(target) or "No armature")
+    rig = armature.object
+    world_from_object = np.array(target.matrix_world, np.float64)
+    try:
+        object_from_world = np.linalg.inv(world_from_object)
+    except np.linalg.LinAlgError:
+        raise FrameError("Object is scaled to zero: give it a scale other than 0 on every axis") from None
+    object_from_armature = object_from_world @ np.array(rig.matrix_world, np.float64)
+    return FrameInputs(_read_pose(rig), object_from_armature, shape_keys.read_values(target))
+
+
+def _read_pose(rig: bpy.types.Object) -> NDArray[np.float32]:
+    columns = np.empty((len(rig.pose.bones), 4, 4), np.float32)
+    rig.pose.bones.foreach_get("matrix_channel", columns.ravel())
+    return columns.transpose(0, 2, 1)

@@ -1,0 +1,51 @@
+"""Inputs of a Geometry Nodes modifier: RNA from Blender 5.2 on, item access before. Only this file knows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+HAS_RNA_INPUTS = bpy.app.version >= (5, 2, 0)
+
+
+def read_input(modifier: bpy.types.NodesModifier, identifier: str) -> Any:
+    """The value now, evaluated when the modifier is."""
+    if HAS_RNA_INPUTS:
+        return getattr(modifier.properties.inputs, identifier).value
+    return modifier[identifier]
+
+
+def write_input(modifier: bpy.types.NodesModifier, identifier: str, value: Any) -> None:
+    """Set the input; the object must be tagged by the caller."""
+    if HAS_RNA_INPUTS:
+        getattr(modifier.properties.inputs, identifier).value = value
+    else:
+        modifier[identifier] = value
+
+
+def input_path(modifier: bpy.types.NodesModifier, identifier: str) -> str:
+    """Path from the object, for drivers and keyframes."""
+    name = bpy.utils.escape_identifier(modifier.name)
+    if HAS_RNA_INPUTS:
+        return f'modifiers["{name}"].properties.inputs.{identifier}.value'
+    return f'modifiers["{name}"]["{identifier}"]'
+
+
+def read_values(modifier: bpy.types.NodesModifier) -> list[Any]:
+    """Plain values of all inputs, in order; objects and other data by name."""
+    values = []
+    for item in modifier.node_group.interface.items_tree:
+        if item.item_type == "SOCKET" and item.in_out == "INPUT" and has_input(modifier, item.identifier):
+            value = read_input(modifier, item.identifier)
+            if isinstance(value, bpy.types.ID):
+                value = value.name
+            values.append(tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else value)
+    return values
+
+
+def has_input(modifier: bpy.types.NodesModifier, identifier: str) -> bool:
+    """Whether the input holds a value; geometry has none."""
+    if HAS_RNA_INPUTS:
+        return hasattr(getattr(modifier.properties.inputs, identifier, None), "value")
+    return identifier in modifier.keys()

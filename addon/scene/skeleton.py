@@ -1,0 +1,42 @@
+"""Bones at rest: those that deform a mesh and all their ancestors."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+
+class RestBones(NamedTuple):
+    """B bones, armature space."""
+
+    names: tuple[str, ...]
+    parents: NDArray[np.int32]  # (B,) -1 without one
+    rest_matrices: NDArray[np.float64]  # (B, 4, 4)
+    pose_indices: NDArray[np.int32]  # (B,) place among all bones of the pose
+    is_deform: NDArray[np.bool_]  # (B,) deforms this mesh
+
+
+def read_bones(rig: bpy.types.Object, group_names: Collection[str]) -> RestBones:
+    """Bones whose name is a vertex group and that deform, with their ancestors, in the order of the pose.
+
+    Other bones are left out: nothing makes the dependency graph evaluate them before the correction.
+    """
+    bones = rig.data.bones
+    deform = {bone.name for bone in bones if bone.use_deform and bone.name in group_names}
+    needed = deform | {parent.name for name in deform for parent in bones[name].parent_recursive}
+    places = [place for place, pose_bone in enumerate(rig.pose.bones) if pose_bone.name in needed]
+    names = tuple(rig.pose.bones[place].name for place in places)
+    index = {name: number for number, name in enumerate(names)}
+    parents = [index[bone.parent.name] if (bone := bones[name]).parent else -1 for name in names]
+    rest_matrices = np.array([bones[name].matrix_local for name in names], np.float64).reshape(-1, 4, 4)
+    return RestBones(
+        names,
+        np.array(parents, np.int32),
+        rest_matrices,
+        np.array(places, np.int32),
+        np.array([name in deform for name in names], bool),
+    )
