@@ -73,10 +73,10 @@ test-rust:
 	cargo test --workspace --locked
 
 test-python: dist/engine
-	PYTHONPATH=dist/engine $(TOOLS)/python -m pytest $(PYTEST_FLAGS) tests/architecture tests/engine tests/logic
+	PYTHONPATH=$(CURDIR)/dist/engine $(TOOLS)/python -m pytest $(PYTEST_FLAGS) tests/architecture tests/engine tests/logic
 
 test-3.11 $(if $(HAS_3.13),test-3.13): test-%: dist/.extension dist/engine .fixtures/.ready .venv-%/.ready
-	PYTHONPATH=dist/engine .venv-$*/bin/python -m pytest $(PYTEST_FLAGS) tests/fixtures tests/demo tests/blender
+	PYTHONPATH=$(CURDIR)/dist/engine .venv-$*/bin/python -m pytest $(PYTEST_FLAGS) tests/fixtures tests/demo tests/blender
 
 ifndef HAS_3.13
 test-3.13:
@@ -93,7 +93,7 @@ lint-python: dist/engine
 	$(TOOLS)/ruff check
 	$(TOOLS)/ruff format --check
 	$(TOOLS)/pyright
-	MYPYPATH=rust/python PYTHONPATH=dist/engine $(TOOLS)/python -m mypy.stubtest turgor
+	MYPYPATH=rust/python PYTHONPATH=$(CURDIR)/dist/engine $(TOOLS)/python -m mypy.stubtest turgor
 
 format: .venv-3.11/.ready ## rustfmt and ruff, in place
 	cargo fmt --all

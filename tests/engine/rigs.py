@@ -76,9 +76,16 @@ class Rig:
         *,
         solver: Literal["simultaneous", "sequential"] = "simultaneous",
         keep_bone_scale: bool = True,
+        object_from_armature: NDArray[np.float64] | None = None,
     ) -> turgor.VolumeSkin:
-        mesh = self.surface.mesh()
-        return turgor.VolumeSkin(mesh, self.skinning(mode), joints, solver=solver, keep_bone_scale=keep_bone_scale)
+        return turgor.VolumeSkin(
+            self.surface.mesh(),
+            self.skinning(mode),
+            joints,
+            solver=solver,
+            keep_bone_scale=keep_bone_scale,
+            object_from_armature=object_from_armature,
+        )
 
     def pose(self, local: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
         """(B, 4, 4) pose @ inverse(rest), from one (4, 4) per bone in its own rest space; parents come first."""

@@ -89,6 +89,8 @@ CASES: dict[str, Callable[[], object]] = {
     "object matrix without inverse": lambda: BODY.deform(POSE, object_from_armature=np.diag([1.0, 1.0, 0.0, 1.0])),
     "object matrix not a number": lambda: BODY.deform(POSE, object_from_armature=np.full((4, 4), np.nan)),
     "target: not a number": lambda: BODY.deform(POSE, target_scale=np.nan),
+    "strengths of another rig": lambda: BODY.deform(POSE, strengths=[1.0]),
+    "strengths: negative": lambda: BODY.deform(POSE, strengths=[1.0, -1.0, 1.0]),
     "shape values without shape keys": lambda: BODY.deform(POSE, shape_values=[1.0]),
     "offsets of another count": lambda: BODY.deform_into(np.zeros((3, 3), np.float32), POSE),
     "offsets of another type": lambda: BODY.deform_into(np.zeros((COUNT, 3)), POSE),  # pyright: ignore

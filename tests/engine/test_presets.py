@@ -33,6 +33,18 @@ def test_volume_is_exact(name, solver):
         assert report.relative_error <= 1e-12
 
 
+@pytest.mark.parametrize("mode", ["linear", "dual_quaternion"])
+@pytest.mark.parametrize("name", NAMES)
+def test_random_poses_are_exact_and_nothing_flies_off(name, mode):
+    rig = limb()
+    body = rig.body(mode, [presets.joint(name, bone) for bone in range(rig.bone_count)])
+    for seed in range(300):
+        report = body.deform(rig.random_pose(np.random.default_rng(seed), 1.0)).report
+        assert report.relative_error <= 1e-12
+        # The tube's radius is 0.5, and it loses a tenth at most.
+        assert report.max_displacement < 0.25
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_named_function_is_the_preset(name):
     joint = getattr(presets, name)(2, strength=0.5, size=1.5)

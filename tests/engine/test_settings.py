@@ -28,6 +28,17 @@ def test_strength_is_the_part_given_back(seed: int, strength: float):
     assert rig.surface.mesh().volume(frame.positions) == pytest.approx(expected, rel=1e-11)
 
 
+@given(seeds)
+def test_strengths_of_a_frame_replace_the_settings(seed: int):
+    rng = np.random.default_rng(seed)
+    rig = limb()
+    pose = rig.random_pose(rng, 0.8)
+    strengths = rng.uniform(0.0, 2.0, rig.bone_count)
+    set_before = [turgor.presets.isotropic(bone, strength=strength) for bone, strength in enumerate(strengths)]
+    expected = rig.body(joints=set_before).deform(pose).positions
+    assert np.array_equal(rig.body().deform(pose, strengths=strengths).positions, expected)
+
+
 def test_no_strength_is_plain_skinning():
     rig = limb()
     frame = rig.body(joints=joints(rig, strength=0.0)).deform(rig.bent(0.8))

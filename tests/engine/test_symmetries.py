@@ -36,7 +36,8 @@ def test_deform_commutes_with_the_place_and_size_of_the_object(seed: int, mode: 
     object_from_armature = random_rigid_motion(rng) @ np.diag([size, size, size, 1.0])
     placed = rig.with_surface(rig.surface.moved(applied(object_from_armature, rig.surface.positions)))
     pose = rig.random_pose(rng, 1.0)
-    result = placed.body(mode, muscles(rig)).deform(pose, object_from_armature=object_from_armature)
+    body = placed.body(mode, muscles(rig), object_from_armature=object_from_armature)
+    result = body.deform(pose, object_from_armature=object_from_armature)
     expected = applied(object_from_armature, rig.body(mode, muscles(rig)).deform(pose).positions)
     np.testing.assert_allclose(result.positions, expected, atol=1e-9 * size)
 
