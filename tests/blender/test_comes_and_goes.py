@@ -1,0 +1,170 @@
+"""Adding, copying, deleting: nothing is shared by accident and nothing stays behind."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import bpy
+import pytest
+from measure import positions, relative_error, volume
+from test_exact import VOLUME_TOLERANCE
+from tube import add_turgor, carrier, character, select, volume_modifier
+
+FRAME = 15
+
+
+def _listing() -> dict[str, list[str]]:
+    return {
+        collection.identifier: sorted(item.name for item in getattr(bpy.data, collection.identifier))
+        for collection in bpy.data.bl_rna.properties
+        if collection.type == "COLLECTION"
+    }
+
+
+def _drivers(ob: bpy.types.Object) -> Iterator[str]:
+    if ob.animation_data is not None:
+        yield from (curve.data_path for curve in ob.animation_data.drivers)
+
+
+def test_modifier_stands_right_after_the_armature():
+    ob, _ = character()
+    ob.modifiers.new("Subdivision", "SUBSURF")
+    add_turgor(ob)
+    assert [modifier.name for modifier in ob.modifiers] == ["Armature", "Turgor Volume", "Subdivision"]
+
+
+@pytest.mark.parametrize("preset", ["ISOTROPIC", "CUSTOM"])
+def test_removal_leaves_no_trace(route, preset):
+    ob, _ = character()
+    before = _listing()
+    add_turgor(ob)
+    ob.turgor.joints[1].preset = preset
+    bpy.context.view_layer.update()
+    bpy.context.scene.frame_set(FRAME)
+    assert bpy.ops.object.turgor_volume_remove() == {"FINISHED"}
+    assert _listing() == before
+    assert not list(_drivers(ob))
+    assert ob.turgor.version == 0
+    assert not len(ob.turgor.joints)
+    assert [modifier.name for modifier in ob.modifiers] == ["Armature"]
+
+
+def test_removing_the_modifier_by_its_cross_leaves_no_trace(route):
+    ob, _ = character()
+    before = _listing()
+    add_turgor(ob)
+    bpy.ops.object.modifier_remove(modifier=volume_modifier(ob).name)
+    bpy.context.view_layer.update()
+    assert _listing() == before
+    assert ob.turgor.version == 0
+
+
+def test_removed_character_leaves_nothing_in_the_saved_file(route, tmp_path):
+    ob, rig = character()
+    add_turgor(ob)
+    select([ob])
+    bpy.ops.object.delete()
+    path = str(tmp_path / "saved.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    assert sorted(bpy.data.objects.keys()) == ["Rig"]
+    assert not len(bpy.data.node_groups)
+
+
+def test_duplicate_gets_a_carrier_and_curves_of_its_own(route):
+    ob, _ = character()
+    rest = volume(ob)
+    add_turgor(ob)
+    ob.turgor.joints[1].preset = "CUSTOM"
+    bpy.context.view_layer.update()
+    select([ob])
+    bpy.ops.object.duplicate()
+    copy = bpy.context.object
+    bpy.context.view_layer.update()
+    assert carrier(copy) != carrier(ob)
+    assert copy.turgor.curves not in (None, ob.turgor.curves)
+    for frame in (1, FRAME):
+        bpy.context.scene.frame_set(frame)
+        assert relative_error(copy, rest) < VOLUME_TOLERANCE
+        assert (positions(copy) == positions(ob)).all()
+    select([ob])
+    bpy.ops.object.turgor_volume_remove()
+    bpy.context.scene.frame_set(FRAME)
+    assert relative_error(copy, rest) < VOLUME_TOLERANCE
+
+
+def test_saved_file_without_the_extension_shows_plain_skinning(route, addon, tmp_path):
+    ob, _ = character()
+    bpy.context.scene.frame_set(FRAME)
+    plain = positions(ob)
+    add_turgor(ob)
+    bpy.context.scene.frame_set(FRAME)
+    assert (positions(ob) != plain).any()
+    path = str(tmp_path / "saved.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    addon.unregister()
+    bpy.ops.wm.open_mainfile(filepath=path)
+    assert (positions(bpy.data.objects["Tube"]) == plain).all()
+    addon.register()
+    bpy.context.scene.frame_set(FRAME)
+    bpy.context.view_layer.update()
+    bpy.context.scene.frame_set(FRAME)
+    assert (positions(bpy.data.objects["Tube"]) != plain).any()
+
+
+def test_undoing_the_addition_is_one_step(route):
+    ob, _ = character()
+    bpy.ops.ed.undo_push(message="before")
+    before = _listing()
+    add_turgor(ob)
+    bpy.ops.ed.undo_push(message="added")
+    bpy.ops.ed.undo()
+    assert _listing() == before
+
+
+def test_appended_character_works(route, tmp_path):
+    ob, _ = character()
+    rest = volume(ob)
+    add_turgor(ob)
+    path = str(tmp_path / "library.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    with bpy.data.libraries.load(path) as (_, into):
+        into.objects = ["Tube"]
+    for loaded in [into.objects[0], bpy.data.objects["Rig"]]:
+        bpy.context.scene.collection.objects.link(loaded)
+    bpy.context.view_layer.update()
+    bpy.context.scene.frame_set(FRAME)
+    assert relative_error(into.objects[0], rest) < VOLUME_TOLERANCE
+
+
+@pytest.mark.parametrize("where", ["in the library", "on the override"])
+def test_linked_and_overridden_character(route, tmp_path, where):
+    if route == "PUSH" and where == "in the library":
+        pytest.skip("push cannot write into a linked carrier")
+    ob, rig = character()
+    rest = volume(ob)
+    if where == "in the library":
+        add_turgor(ob)
+    collection = bpy.data.collections.new("Character")
+    for member in (ob, rig):
+        collection.objects.link(member)
+    path = str(tmp_path / "library.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    with bpy.data.libraries.load(path, link=True) as (_, into):
+        into.collections = ["Character"]
+    scene = bpy.context.scene
+    override = into.collections[0].override_hierarchy_create(scene, bpy.context.view_layer, do_fully_editable=True)
+    bpy.context.view_layer.update()
+    tube = next(member for member in override.all_objects if member.type == "MESH")
+    if where == "on the override":
+        add_turgor(tube)
+    scene_file = str(tmp_path / "scene.blend")
+    for _ in range(2):
+        scene.frame_set(FRAME)
+        assert relative_error(tube, rest) < VOLUME_TOLERANCE
+        bpy.ops.wm.save_as_mainfile(filepath=scene_file)
+        bpy.ops.wm.open_mainfile(filepath=scene_file)
+        scene = bpy.context.scene
+        tube = next(member for member in scene.objects if member.type == "MESH" and member.override_library)
