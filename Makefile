@@ -73,7 +73,7 @@ test-rust:
 	cargo test --workspace --locked
 
 test-python: dist/engine
-	PYTHONPATH=$(CURDIR)/dist/engine $(TOOLS)/python -m pytest $(PYTEST_FLAGS) tests/architecture tests/engine tests/logic
+	PYTHONPATH=$(CURDIR)/dist/engine $(TOOLS)/python -m pytest $(PYTEST_FLAGS) tests/architecture tests/packaging tests/engine tests/logic
 
 test-3.11 $(if $(HAS_3.13),test-3.13): test-%: dist/.extension dist/engine .fixtures/.ready .venv-%/.ready
 	PYTHONPATH=$(CURDIR)/dist/engine .venv-$*/bin/python -m pytest $(PYTEST_FLAGS) tests/fixtures tests/demo tests/blender
