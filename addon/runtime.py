@@ -55,6 +55,7 @@ class Character:
     body: Any = None  # live.binding.Bound
     signature: tuple[object, ...] = ()
     problem: str | None = None
+    logged: set[str] = field(default_factory=set)
     needs_rebind: bool = False
     is_stale: bool = False
     notes: tuple[str, ...] = ()
@@ -92,13 +93,15 @@ def character(uid: int) -> Character:
 
 
 def set_problem(uid: int, name: str, problem: str | None) -> None:
-    """Show a problem in the panel and write it to the log once, until it is another."""
+    """Show a problem in the panel and write it to the log, each one once per file."""
     with lock:
         known = character(uid)
-        is_news = problem is not None and problem != known.problem
         known.problem = problem
-        if problem is not None:
-            known.figures = known.timing = None
+        if problem is None:
+            return
+        known.figures = known.timing = None
+        is_news = problem not in known.logged
+        known.logged.add(problem)
     if is_news:
         log.warning("%s: %s", name, problem)
 

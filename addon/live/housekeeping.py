@@ -68,7 +68,11 @@ def remove_orphans() -> None:
     for holder in orphans:
         target = holder.turgor.carrier.target
         carrier.remove(holder)
-        if target is not None and stack.volume_modifier(target) is None:
+        if target is None:
+            continue
+        if target.users == 0 and stack.volume_modifier(target) is not None:
+            target.modifiers.remove(stack.volume_modifier(target))
+        if stack.volume_modifier(target) is None:
             forget_settings(target)
     if orphans:
         node_group.remove_unused()

@@ -48,12 +48,14 @@ def follow(depsgraph: bpy.types.Depsgraph) -> None:
         housekeeping.give_own_carriers(objects)
         if objects:
             housekeeping.remove_orphans()
-    has_key = any(isinstance(item, bpy.types.Key) for item in changed)
+    # Moving a shape key's slider updates its mesh as well; its shape changes in edit modes.
+    keyed = {item.user for item in changed if isinstance(item, bpy.types.Key)}
     for target in housekeeping.characters():
         known = runtime.character(target.session_uid)
         armature = stack.armature_modifier(target)
         rig = None if armature is None else armature.object
-        is_edited = (target.data in data and not has_key) or (rig is not None and rig.data in data)
+        is_mesh_edited = target.data in data and (target.data not in keyed or target.mode in EDITING_MODES)
+        is_edited = is_mesh_edited or (rig is not None and rig.data in data)
         known.is_stale = known.is_stale or is_edited or known.signature != stack.signature(target)
         if not known.is_stale:
             if profiles.has_custom(target):

@@ -56,6 +56,11 @@ class Body:
         return self._bound.joint_bones.tolist()
 
     @property
+    def current_engine(self) -> turgor.VolumeSkin:
+        """The engine under the settings of the last frame."""
+        return self._current[1]
+
+    @property
     def vertex_count(self) -> int:
         """Vertices of the stack after the Armature."""
         return self._bound.mesh.vertex_count

@@ -153,7 +153,10 @@ _NOT_SETTINGS = frozenset(
 def signature(ob: bpy.types.Object) -> tuple[object, ...]:
     """Settings up to the Armature modifier: while they are equal, so is what they make of an unchanged mesh."""
     armature = armature_modifier(ob)
+    keys = ob.data.shape_keys
     read: list[object] = [ob.data.session_uid, [group.name for group in ob.vertex_groups]]
+    if keys is not None:
+        read += [keys.use_relative, [(key.name, key.relative_key.name, key.vertex_group) for key in keys.key_blocks]]
     for modifier in ob.modifiers:
         read.append(_settings(modifier))
         if modifier == armature:

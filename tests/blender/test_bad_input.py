@@ -40,7 +40,7 @@ def _missing_armature(ob, rig):
 
 def _not_a_number(ob, rig):
     rig.animation_data_clear()
-    rig.pose.bones["Bone1"].location = (math.nan, 0.0, 0.0)
+    rig.pose.bones["Bone1"].rotation_euler.x = math.nan
 
 
 def _flat_object(ob, rig):
@@ -66,6 +66,7 @@ def _moved_apart(ob, rig):
 
 def _no_groups(ob, rig):
     ob.vertex_groups.clear()
+    ob.update_tag()
 
 
 @pytest.mark.parametrize(

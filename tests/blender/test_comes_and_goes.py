@@ -147,6 +147,7 @@ def test_linked_and_overridden_character(route, tmp_path, where):
     if where == "in the library":
         add_turgor(ob)
     collection = bpy.data.collections.new("Character")
+    bpy.context.scene.collection.children.link(collection)
     for member in (ob, rig):
         collection.objects.link(member)
     path = str(tmp_path / "library.blend")

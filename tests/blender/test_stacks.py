@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import bmesh
 import bpy
 import numpy as np
 import pytest
 from measure import evaluated_mesh, positions, relative_error, volume
+from mathutils import Matrix
 from test_exact import VOLUME_TOLERANCE
-from tube import LENGTH, add_turgor, bend, carrier, character, place, rig, set_strength, tube_mesh, volume_modifier
+from tube import LENGTH, SEGMENTS, add_turgor, bend, carrier, character, place, rig, set_strength, tube_mesh, volume_modifier
 
 FRAME = 15
 
@@ -227,9 +230,11 @@ def test_animated_settings_count(route):
 
 
 def _cut_in_half(mesh: bpy.types.Mesh) -> None:
-    """Keep x >= 0, open at the cut."""
+    """Keep x >= 0, open at the cut, which passes between vertices."""
     edited = bmesh.new()
     edited.from_mesh(mesh)
+    half_a_side = Matrix.Rotation(math.pi / SEGMENTS, 3, "Z")
+    bmesh.ops.rotate(edited, verts=edited.verts, matrix=half_a_side)
     everything = [*edited.verts, *edited.edges, *edited.faces]
     bmesh.ops.bisect_plane(edited, geom=everything, plane_co=(0, 0, 0), plane_no=(-1, 0, 0), clear_outer=True)
     edited.to_mesh(mesh)

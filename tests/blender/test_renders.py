@@ -1,0 +1,83 @@
+"""Rendered pixels show the corrected mesh: an animation render equals that of the exact mesh, not of plain skinning."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+from measure import evaluated_mesh
+from tube import add_turgor, character, set_strength
+
+FRAMES = (12, 13)
+# Of 255, per channel: sampling noise is the same in both pictures, edges may differ by one sample.
+SAME, OTHER = 0.05, 0.25
+
+
+@pytest.fixture(params=["BLENDER_WORKBENCH", "CYCLES"])
+def scene(request):
+    ob, _ = character(rings=61, segments=32)
+    scene = bpy.context.scene
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    light = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
+    camera.location, camera.rotation_euler = (0.0, -9.0, 1.5), (np.pi / 2, 0.0, 0.0)
+    for member in (camera, light):
+        scene.collection.objects.link(member)
+    scene.camera = camera
+    scene.render.engine = request.param
+    scene.render.resolution_x, scene.render.resolution_y = 160, 120
+    scene.render.image_settings.file_format = "PNG"
+    scene.frame_start, scene.frame_end = FRAMES
+    if request.param == "CYCLES":
+        scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.seed = 4, False, 1
+    return scene
+
+
+def _animation(scene, folder) -> np.ndarray:
+    scene.frame_set(1)
+    scene.render.filepath = f"{folder}/"
+    bpy.ops.render.render(animation=True)
+    pictures = []
+    for frame in FRAMES:
+        image = bpy.data.images.load(f"{folder}/{frame:04d}.png")
+        pixels = np.empty(len(image.pixels), np.float32)
+        image.pixels.foreach_get(pixels)
+        pictures.append(pixels * 255.0)
+        bpy.data.images.remove(image)
+    return np.array(pictures)
+
+
+def _applied(ob: bpy.types.Object, frame: int) -> bpy.types.Object:
+    """The corrected mesh of one frame as a plain object."""
+    bpy.context.scene.frame_set(frame)
+    mesh = bpy.data.meshes.new_from_object(ob.evaluated_get(bpy.context.evaluated_depsgraph_get()))
+    reference = bpy.data.objects.new("Reference", mesh)
+    bpy.context.scene.collection.objects.link(reference)
+    return reference
+
+
+def test_pixels_show_the_correction(route, scene, tmp_path):
+    ob = bpy.data.objects["Tube"]
+    add_turgor(ob)
+    corrected = _animation(scene, tmp_path / "corrected")
+    set_strength(ob, 0.0)
+    plain = _animation(scene, tmp_path / "plain")
+    set_strength(ob, 1.0)
+    ob.hide_render = True
+    for index, frame in enumerate(FRAMES):
+        reference = _applied(ob, frame)
+        exact = _animation(scene, tmp_path / f"exact{frame}")
+        bpy.data.objects.remove(reference)
+        assert np.abs(corrected[index] - exact[index]).mean() < SAME
+        assert np.abs(corrected[index] - plain[index]).mean() > OTHER
+
+
+def test_armature_off_in_renders_only(route, scene, tmp_path):
+    ob = bpy.data.objects["Tube"]
+    add_turgor(ob)
+    ob.modifiers["Armature"].show_render = False
+    off = _animation(scene, tmp_path / "off")
+    rest = bpy.data.objects.new("Rest", ob.data)
+    scene.collection.objects.link(rest)
+    ob.hide_render = True
+    assert np.abs(off - _animation(scene, tmp_path / "rest")).mean() < SAME
+    assert len(evaluated_mesh(ob).vertices)

@@ -1,0 +1,14 @@
+"""The logic of the extension is imported without Blender: `addon` here is a package without its start."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from types import ModuleType
+
+ADDON = Path(__file__).resolve().parents[2] / "addon"
+
+if "addon" not in sys.modules:
+    package = ModuleType("addon")
+    package.__path__ = [str(ADDON)]
+    sys.modules["addon"] = package
