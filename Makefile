@@ -5,8 +5,9 @@ SHELL := /bin/bash
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
 
-# FILE: any .blend, .glb, .gltf or .fbx with a rigged character.
-FILE ?=
+# What `make demo` shows: a scene of blend_fixtures/, or any .blend, .glb, .gltf or .fbx with a rigged character.
+SCENE ?= elephant
+FILE  ?= .fixtures/$(SCENE).blend
 PYTEST_FLAGS ?= -q
 
 HAS_3.13 := $(shell environment/find_python.sh 3.13 2>/dev/null)
@@ -57,8 +58,8 @@ dist/.extension: dist/.wheel $(EXTENSION_SOURCES)
 
 # ---- see it --------------------------------------------------------------------------------------------------------
 
-demo: dist/.extension .fixtures/.ready $(NEWEST)/.ready ## pictures and figures of a character in demo_out/: make demo [FILE=path]
-	$(NEWEST)/bin/python -m demo $(if $(FILE),"$(FILE)",.fixtures/elephant.blend) --extension dist/*.zip --output demo_out
+demo: dist/.extension .fixtures/.ready $(NEWEST)/.ready ## pictures and figures of a character in demo_out/: make demo [SCENE=giraffe | FILE=path]
+	$(NEWEST)/bin/python -m demo "$(FILE)" --extension dist/*.zip --output demo_out
 
 # Made by the older Blender, so that both can read them.
 .fixtures/.ready: $(FIXTURE_SOURCES) .venv-3.11/.ready

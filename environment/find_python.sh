@@ -23,5 +23,5 @@ while read -r candidate; do
     fi
 done < <(candidates 2>/dev/null)
 
-echo "no Python $version with venv found on the PATH, in pyenv or in uv" >&2
+echo "no Python $version with venv found on the PATH, in pyenv or in uv (on Debian: apt-get install python3-venv)" >&2
 exit 1
