@@ -102,7 +102,7 @@ class Studio:
         display.light_direction = Vector((0.4, 0.5, 0.8)).normalized()
         display.shadow_focus = 0.4
         shading = display.shading
-        shading.light = "STUDIO"
+        shading.light, shading.studio_light = "STUDIO", "paint.sl"
         shading.color_type = "SINGLE"
         shading.show_cavity = True
         shading.cavity_type = "BOTH"

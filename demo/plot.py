@@ -26,7 +26,9 @@ class Axes:
         changes = [change for moment in moments for change in percentages(moment)]
         low, high = min(0.0, *changes), max(0.0, *changes)
         self.step = tick_step(max(high - low, 1e-3))
-        self.low, self.high = floor(low / self.step) * self.step, ceil(high / self.step) * self.step
+        # A twentieth of a step may stand out: rounding above zero needs no room of its own.
+        self.low = floor(low / self.step + 0.05) * self.step
+        self.high = ceil(high / self.step - 0.05) * self.step
         if self.high == self.low:
             self.high += self.step
         self.count = len(moments)
