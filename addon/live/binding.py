@@ -149,9 +149,7 @@ def _renamed(before: skeleton.RestBones, after: skeleton.RestBones) -> dict[str,
     return dict(zip(before.names, after.names, strict=True)) if is_same else {}
 
 
-def _prepare_scene(
-    target: bpy.types.Object, rig: bpy.types.Object, bones: skeleton.RestBones, made: body.Body
-) -> None:
+def _prepare_scene(target: bpy.types.Object, rig: bpy.types.Object, bones: skeleton.RestBones, made: body.Body) -> None:
     settings.add_joints(target, tuple(bones.names[bone] for bone in made.joint_bones))
     holder = carrier.carrier_of(target)
     if holder is not None and is_editable(holder):

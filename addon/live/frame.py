@@ -74,8 +74,9 @@ def _key(saved: settings.BodySettings, bound: Bound) -> object:
 def _joints(target: bpy.types.Object, saved: settings.BodySettings, bound: Bound) -> list[turgor.Joint]:
     index = {name: number for number, name in enumerate(bound.bones.names)}
     bones = [index.get(name) for name in settings.joint_names(target)]
-    presets, *arrays = saved.joints
-    return joints.engine_joints(bones, [PRESET_NAMES[preset] for preset in presets], *arrays, bound.tables)
+    presets, strengths, sizes, use_auto_shares, shares = saved.joints
+    names = [PRESET_NAMES[preset] for preset in presets]
+    return joints.engine_joints(bones, names, strengths, sizes, use_auto_shares, shares, bound.tables)
 
 
 def _figures(report: turgor.Report, bound: Bound) -> runtime.Figures:

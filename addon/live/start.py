@@ -41,7 +41,10 @@ def bind_waiting() -> None:
 
 def follow(depsgraph: bpy.types.Depsgraph) -> None:
     """Bind again what an update made stale."""
+    updated = {update.id.original for update in depsgraph.updates}
     changed = {update.id.original for update in depsgraph.updates if update.is_updated_geometry}
+    # Dragging a curve's point comes without any name.
+    are_curves_edited = not updated or any(isinstance(item, bpy.types.NodeTree) for item in updated)
     objects = [item for item in changed if isinstance(item, bpy.types.Object) and item.type == "MESH"]
     data = {item for item in changed if isinstance(item, bpy.types.Mesh | bpy.types.Armature)}
     with runtime.quiet():
@@ -58,7 +61,7 @@ def follow(depsgraph: bpy.types.Depsgraph) -> None:
         is_edited = is_mesh_edited or (rig is not None and rig.data in data)
         known.is_stale = known.is_stale or is_edited or known.signature != stack.signature(target)
         if not known.is_stale:
-            if profiles.has_custom(target):
+            if (are_curves_edited or target in updated) and profiles.has_custom(target):
                 binding.refresh_tables(target)
         elif target.mode not in EDITING_MODES and (rig is None or rig.mode != "EDIT"):
             known.is_stale = False

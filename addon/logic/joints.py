@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Literal
 
 import numpy as np
 import turgor
 from numpy.typing import NDArray
 from turgor import presets
 
-CUSTOM = "custom"
+Preset = presets.PresetName | Literal["custom"]
 
 # Along the bone, sideways, inside; see `turgor.presets`.
 Tables = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
@@ -17,7 +18,7 @@ Tables = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
 def engine_joint(
     bone: int,
-    preset: str,
+    preset: Preset,
     strength: float,
     size: float,
     shares: NDArray[np.float32] | None,
@@ -25,12 +26,12 @@ def engine_joint(
 ) -> turgor.Joint:
     """One joint; shares None: those of the preset. tables: curves of the Custom preset, None: the isotropic bell."""
     parts = None if shares is None else normalised_shares(shares)
-    if preset == CUSTOM:
+    if preset == "custom":
         return turgor.Joint(bone, "auto" if parts is None else parts, tables, strength=strength, size=size)
     return presets.joint(preset, bone, shares=parts, strength=strength, size=size)
 
 
-def normalised_shares(shares: NDArray[np.float32]) -> turgor.presets.Shares:
+def normalised_shares(shares: NDArray[np.float32]) -> presets.Shares:
     """Parts that sum to one; "auto" when all are zero."""
     total = float(shares.sum())
     if total <= 0.0:
@@ -41,7 +42,7 @@ def normalised_shares(shares: NDArray[np.float32]) -> turgor.presets.Shares:
 
 def engine_joints(
     bones: Sequence[int | None],
-    preset_names: Sequence[str],
+    preset_names: Sequence[Preset],
     strengths: NDArray[np.float32],
     sizes: NDArray[np.float32],
     use_auto_shares: NDArray[np.bool_],
@@ -63,6 +64,6 @@ def engine_joints(
     ]
 
 
-def preset_tables(preset: str) -> Tables:
+def preset_tables(preset: presets.PresetName) -> Tables:
     """The curves that Custom starts from."""
     return presets.profiles(preset)

@@ -8,7 +8,7 @@ from .volume import PARENT_PANEL, has_volume
 
 
 class TURGOR_PT_joint(bpy.types.Panel):
-    bl_label = "Joint"
+    bl_label = ""
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
     bl_context = "modifier"

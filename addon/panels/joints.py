@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from .. import runtime
+from .percent import signed_percent
 
 # Losses below this many percent of the rest volume are drawn without emphasis.
 NOTABLE_PERCENT = 0.005
@@ -36,8 +37,8 @@ class TURGOR_UL_joints(bpy.types.UIList):
             numbers.label(text="–")
             return
         numbers.active = abs(figures.lost) >= NOTABLE_PERCENT
-        numbers.label(text=f"{-figures.lost:+.2f} %")
-        numbers.label(text=f"{figures.regained:+.2f} %", icon="ERROR" if figures.is_capped else "NONE")
+        numbers.label(text=signed_percent(-figures.lost, 2))
+        numbers.label(text=signed_percent(figures.regained, 2), icon="ERROR" if figures.is_capped else "NONE")
 
     def draw_filter(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         row = layout.row(align=True)

@@ -7,6 +7,7 @@ import textwrap
 import bpy
 
 from .. import runtime
+from .percent import signed_percent
 
 PARENT_PANEL = "TURGOR_PT_volume"
 ROUTE_NAMES = {"PULL": "Live by pull", "PUSH": "Live by push", "": "Not started"}
@@ -62,11 +63,11 @@ def _draw_readout(layout: bpy.types.UILayout, known: runtime.Character) -> None:
     if figures is None:
         big.label(text="Volume –")
         return
-    big.label(text=f"Volume {_signed(figures.corrected_deviation, 4)} %")
+    big.label(text=f"Volume {signed_percent(figures.corrected_deviation, 4)}")
     small = box.row()
     small.alignment = "CENTER"
     small.active = False
-    small.label(text=f"Plain skinning {_signed(figures.skinned_deviation, 2)} %")
+    small.label(text=f"Plain skinning {signed_percent(figures.skinned_deviation, 2)}")
 
 
 def _draw_joints(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
@@ -109,8 +110,3 @@ def _draw_wrapped(layout: bpy.types.UILayout, context: bpy.types.Context, text: 
     column = layout.column(align=True)
     for number, line in enumerate(textwrap.wrap(text, max(int(width) - 8, 20))):
         column.label(text=line, icon=icon if number == 0 else "BLANK1")
-
-
-def _signed(percent: float, digits: int) -> str:
-    """Without a minus sign in front of zero."""
-    return f"{round(percent, digits) + 0.0:+.{digits}f}"

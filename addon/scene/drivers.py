@@ -14,7 +14,6 @@ TICK_MODIFIER = "Turgor Tick"
 TICK_PATH = f'modifiers["{TICK_MODIFIER}"].show_group_selector'
 
 
-
 class Source(NamedTuple):
     """What a driver variable reads: a property, or the place of an object or bone."""
 
@@ -24,9 +23,7 @@ class Source(NamedTuple):
     path: str  # of the property; name of the bone
 
 
-def follow_armature(
-    ob: bpy.types.Object, ours: bpy.types.NodesModifier, armature: bpy.types.ArmatureModifier
-) -> None:
+def follow_armature(ob: bpy.types.Object, ours: bpy.types.NodesModifier, armature: bpy.types.ArmatureModifier) -> None:
     """Drive our hidden inputs by the switches of the Armature modifier."""
     name = bpy.utils.escape_identifier(armature.name)
     for identifier, switch in ((node_group.IN_VIEWPORT, "show_viewport"), (node_group.IN_RENDER, "show_render")):

@@ -95,7 +95,7 @@ def test_harm_is_said_once_and_the_mesh_stays_as_skinned(route, runtime, warning
 
 
 def test_healed_character_is_corrected_again(route, runtime):
-    ob, rig = character()
+    ob, _ = character()
     rest = volume(ob)
     add_turgor(ob)
     ob.modifiers["Armature"].use_multi_modifier = True
@@ -148,7 +148,7 @@ def test_new_weights_are_bound_without_asking(route, runtime):
     rest = volume(ob)
     add_turgor(ob)
     select([ob])
-    ob.vertex_groups["Bone1"].add(range(0, 120), 0.7, "REPLACE")
+    ob.vertex_groups["Bone1"].add(range(120), 0.7, "REPLACE")
     ob.data.update_tag()
     bpy.context.view_layer.update()
     _play()

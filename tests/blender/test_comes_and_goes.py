@@ -60,7 +60,7 @@ def test_removing_the_modifier_by_its_cross_leaves_no_trace(route):
 
 
 def test_removed_character_leaves_nothing_in_the_saved_file(route, tmp_path):
-    ob, rig = character()
+    ob, _ = character()
     add_turgor(ob)
     select([ob])
     bpy.ops.object.delete()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import bpy
-import pytest
 from measure import positions, relative_error, volume
 from tube import LAST_FRAME, add_turgor, character, set_strength
 

@@ -12,8 +12,9 @@ import pytest
 REPOSITORY = Path(__file__).resolve().parents[2]
 CHILD = """
 import importlib, os, sys
-import bpy
-sys.path.insert(0, sys.argv[1])
+import bpy, numpy
+# The engine must come out of the zip, not out of this environment.
+sys.path[:] = [sys.argv[1], *(path for path in sys.path if not path.endswith("site-packages"))]
 bpy.ops.extensions.package_install_files(filepath=sys.argv[2], repo="user_default", enable_on_install=True)
 bpy.ops.wm.read_homefile(use_empty=True)
 import turgor

@@ -33,9 +33,9 @@ def _masked_inverted(ob, rig):
 
 
 def _unnormalised(ob, rig):
-    ob.vertex_groups["Bone1"].add(range(0, 200), 0.9, "ADD")
+    ob.vertex_groups["Bone1"].add(range(200), 0.9, "ADD")
     ob.vertex_groups.new(name="Not a bone").add(range(100), 1.0, "REPLACE")
-    ob.vertex_groups["Bone0"].remove(range(0, 12))
+    ob.vertex_groups["Bone0"].remove(range(12))
 
 
 def _scaled_bones(ob, rig):

@@ -15,7 +15,7 @@ SAME, OTHER = 0.05, 0.25
 
 @pytest.fixture(params=["BLENDER_WORKBENCH", "CYCLES"])
 def scene(request):
-    ob, _ = character(rings=61, segments=32)
+    character(rings=61, segments=32)
     scene = bpy.context.scene
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     light = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))

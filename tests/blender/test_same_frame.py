@@ -70,7 +70,7 @@ def test_another_session_agrees(tmp_path):
 
 
 def test_undo_and_redo_agree(route):
-    ob, rig = character()
+    ob, _ = character()
     bpy.ops.ed.undo_push(message="before")
     plain = _at(FRAME)
     add_turgor(ob)

@@ -8,10 +8,22 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from measure import evaluated_mesh, positions, relative_error, volume
 from mathutils import Matrix
+from measure import evaluated_mesh, positions, relative_error, volume
 from test_exact import VOLUME_TOLERANCE
-from tube import LENGTH, SEGMENTS, add_turgor, bend, carrier, character, place, rig, set_strength, tube_mesh, volume_modifier
+from tube import (
+    LENGTH,
+    SEGMENTS,
+    add_turgor,
+    bend,
+    carrier,
+    character,
+    place,
+    rig,
+    set_strength,
+    tube_mesh,
+    volume_modifier,
+)
 
 FRAME = 15
 

@@ -17,9 +17,7 @@ def tube_mesh(
 ) -> bpy.types.Mesh:
     heights = np.linspace(0.0, LENGTH, rings)
     angles = np.linspace(0.0, 2.0 * np.pi, segments, endpoint=False)
-    points = [
-        (at_x + RADIUS * np.cos(angle), RADIUS * np.sin(angle), height) for height in heights for angle in angles
-    ]
+    points = [(at_x + RADIUS * np.cos(angle), RADIUS * np.sin(angle), height) for height in heights for angle in angles]
     faces: list[tuple[int, ...]] = [
         (
             ring * segments + side,

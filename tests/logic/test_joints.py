@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from addon.logic.joints import engine_joints, normalised_shares, preset_tables
+from addon.logic.joints import Preset, engine_joints, normalised_shares, preset_tables
 
-PRESETS = ["isotropic", "rubber", "muscle", "folds", "belly", "custom"]
+PRESETS: list[Preset] = ["isotropic", "rubber", "muscle", "folds", "belly", "custom"]
 
 
 def test_shares_sum_to_one():
