@@ -1,7 +1,7 @@
 """What lives while Blender runs and is never saved: bound engines, figures of the last frame, problems.
 
-The dependency graph may ask for a correction on a worker thread, so everything here is replaced as a whole, never
-changed in place, and `lock` guards what is read before it is written.
+The dependency graph may ask for a correction on a worker thread: what is shown and bound is immutable and swapped as
+a whole, and `lock` guards what is read before it is written.
 """
 
 from __future__ import annotations

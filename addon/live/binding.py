@@ -79,6 +79,11 @@ def _bind(target: bpy.types.Object, before: Bound | None, accept_topology: bool)
     obstacle = stack.obstacle(target)
     if obstacle is not None:
         raise BindError(obstacle)
+    holder = carrier.carrier_of(target)
+    if runtime.session.route == "PUSH" and holder is not None and holder.data.library is not None:
+        raise BindError(
+            "The character is linked with its offsets, which push cannot write: choose pull in the preferences"
+        )
     armature = stack.armature_modifier(target)
     group_names = [group.name for group in target.vertex_groups]
     bones = skeleton.read_bones(armature.object, group_names)

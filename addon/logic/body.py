@@ -44,7 +44,7 @@ def bind(
 
 
 class Body:
-    """Keeps the engine of the last settings; safe to call from several threads."""
+    """Keeps the engine of the last settings, swapped as a whole: safe to call from several threads."""
 
     def __init__(self, engine: turgor.VolumeSkin) -> None:
         self._bound = engine

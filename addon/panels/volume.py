@@ -82,9 +82,9 @@ def _draw_joints(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
 
 def _draw_settings(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
     column = layout.column()
+    column.prop(ob.turgor, "keep_bone_scale")
     column.use_property_split = True
     column.prop(ob.turgor, "target_volume")
-    column.prop(ob.turgor, "keep_bone_scale")
     column.prop(ob.turgor, "solver")
 
 

@@ -138,10 +138,29 @@ def test_appended_character_works(route, tmp_path):
     assert relative_error(into.objects[0], rest) < VOLUME_TOLERANCE
 
 
+def test_instance_of_a_linked_character(tmp_path):
+    ob, rig = character()
+    rest = volume(ob)
+    add_turgor(ob)
+    collection = bpy.data.collections.new("Character")
+    bpy.context.scene.collection.children.link(collection)
+    for member in (ob, rig):
+        collection.objects.link(member)
+    path = str(tmp_path / "library.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    with bpy.data.libraries.load(path, link=True) as (_, into):
+        into.collections = ["Character"]
+    instance = bpy.data.objects.new("Instance", None)
+    instance.instance_type, instance.instance_collection = "COLLECTION", into.collections[0]
+    bpy.context.scene.collection.objects.link(instance)
+    bpy.context.view_layer.update()
+    bpy.context.scene.frame_set(FRAME)
+    assert relative_error(into.collections[0].all_objects["Tube"], rest) < VOLUME_TOLERANCE
+
+
 @pytest.mark.parametrize("where", ["in the library", "on the override"])
-def test_linked_and_overridden_character(route, tmp_path, where):
-    if route == "PUSH" and where == "in the library":
-        pytest.skip("push cannot write into a linked carrier")
+def test_linked_and_overridden_character(route, runtime, tmp_path, where):
     ob, rig = character()
     rest = volume(ob)
     if where == "in the library":
@@ -164,7 +183,10 @@ def test_linked_and_overridden_character(route, tmp_path, where):
     scene_file = str(tmp_path / "scene.blend")
     for _ in range(2):
         scene.frame_set(FRAME)
-        assert relative_error(tube, rest) < VOLUME_TOLERANCE
+        if route == "PUSH" and where == "in the library":
+            assert "choose pull" in runtime.character(tube.session_uid).problem
+        else:
+            assert relative_error(tube, rest) < VOLUME_TOLERANCE
         bpy.ops.wm.save_as_mainfile(filepath=scene_file)
         bpy.ops.wm.open_mainfile(filepath=scene_file)
         scene = bpy.context.scene

@@ -63,6 +63,17 @@ def test_modifiers_before_the_armature(route, kind, settings):
     assert _worst(ob, rest) < VOLUME_TOLERANCE
 
 
+def test_other_subdivision_in_renders_is_said(runtime):
+    ob, _ = character()
+    subdivision = _insert_before_armature(ob, "SUBSURF", levels=1, render_levels=2)
+    add_turgor(ob)
+    assert "make them equal" in runtime.character(ob.session_uid).notes[0]
+    subdivision.render_levels = 1
+    ob.update_tag()
+    bpy.context.view_layer.update()
+    assert runtime.character(ob.session_uid).notes == ()
+
+
 def test_mirror_before_the_armature(route):
     armature = rig()
     mesh = tube_mesh()
