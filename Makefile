@@ -45,7 +45,7 @@ dist/.wheel: $(ENGINE_SOURCES) packaging/stamp_wheel.py | .venv-3.11/.ready
 	touch $@
 
 # The engine for tests, outside of the environments: there Blender gets it from the extension zip, as artists do.
-dist/engine: dist/.wheel
+dist/site-packages: dist/.wheel
 	rm -rf $@
 	$(TOOLS)/python -m pip install --quiet --disable-pip-version-check --no-index --no-deps --target $@ dist/*.whl
 
@@ -73,11 +73,11 @@ test: lint test-rust test-python test-3.11 test-3.13 ## everything: lint, engine
 test-rust:
 	cargo test --workspace --locked
 
-test-python: dist/engine
-	PYTHONPATH=$(CURDIR)/dist/engine $(TOOLS)/python -m pytest $(PYTEST_FLAGS) tests/architecture tests/packaging tests/engine tests/logic
+test-python: dist/site-packages
+	PYTHONPATH=$(CURDIR)/dist/site-packages $(TOOLS)/python -m pytest $(PYTEST_FLAGS) tests/architecture tests/packaging tests/engine tests/logic
 
-test-3.11 $(if $(HAS_3.13),test-3.13): test-%: dist/.extension dist/engine .fixtures/.ready .venv-%/.ready
-	PYTHONPATH=$(CURDIR)/dist/engine .venv-$*/bin/python -m pytest $(PYTEST_FLAGS) tests/fixtures tests/demo tests/blender
+test-3.11 $(if $(HAS_3.13),test-3.13): test-%: dist/.extension dist/site-packages .fixtures/.ready .venv-%/.ready
+	PYTHONPATH=$(CURDIR)/dist/site-packages .venv-$*/bin/python -m pytest $(PYTEST_FLAGS) tests/fixtures tests/demo tests/blender
 
 ifndef HAS_3.13
 test-3.13:
@@ -90,11 +90,11 @@ lint-rust:
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 
-lint-python: dist/engine
+lint-python: dist/site-packages
 	$(TOOLS)/ruff check
 	$(TOOLS)/ruff format --check
 	$(TOOLS)/pyright
-	MYPYPATH=rust/python PYTHONPATH=$(CURDIR)/dist/engine $(TOOLS)/python -m mypy.stubtest turgor
+	MYPYPATH=rust/python PYTHONPATH=$(CURDIR)/dist/site-packages $(TOOLS)/python -m mypy.stubtest turgor
 
 format: .venv-3.11/.ready ## rustfmt and ruff, in place
 	cargo fmt --all

@@ -19,7 +19,7 @@ def installed(archive: Path, resources: Path) -> Iterator[None]:
     bpy.ops.extensions.package_install_files(filepath=path, repo="user_default", enable_on_install=True)
     engine = Path(str(importlib.import_module("turgor").__file__))
     if not engine.is_relative_to(resources):
-        raise SystemExit(f"the engine was loaded from {engine}, not from {archive}: need a zip that brings its wheel")
+        raise SystemExit(f"the engine was loaded from {engine.parent}, not from {archive}: uninstall it there")
     try:
         yield
     finally:
