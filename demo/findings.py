@@ -52,19 +52,14 @@ class Volumes:
             for (take, frame), without, with_turgor in zip(frames, before, after, strict=True)
         ]
 
-    def components(self, statuses: Sequence[str], vertex_counts: Sequence[int]) -> list[Component]:
-        """What became of each component."""
-        return [
-            Component(
-                status,
-                vertex_count,
-                float(self.rest[index]),
-                bool(self.is_corrected[index]),
-                *(
-                    (self.of_component(index, self.before), self.of_component(index, self.after))
-                    if self.is_corrected[index]
-                    else ()
-                ),
-            )
-            for index, (status, vertex_count) in enumerate(zip(statuses, vertex_counts, strict=True))
-        ]
+    def component(self, index: int, status: str, vertex_count: int) -> Component:
+        """What became of one component."""
+        facts = (status, vertex_count, float(self.rest[index]))
+        if not self.is_corrected[index]:
+            return Component(*facts, is_corrected=False)
+        return Component(
+            *facts,
+            is_corrected=True,
+            max_relative_volume_error_before=self.of_component(index, self.before),
+            max_relative_volume_error_after=self.of_component(index, self.after),
+        )

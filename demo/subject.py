@@ -72,8 +72,7 @@ class Subject:
         volumes = self.volumes()
         if volumes is None or self.bound is None or self.armature_times is None or self.live_times is None:
             return ObjectReport(**facts, problem=self.problem)
-        components = self.bound.engine.mesh.components
-        statuses = [component.status for component in components]
+        parts = self.bound.engine.mesh.components
         is_corrected = bool(volumes.is_corrected.any())
         take, frame = frames[volumes.worst_moment()] if is_corrected else (None, None)
         return ObjectReport(
@@ -89,7 +88,7 @@ class Subject:
             live_to_armature_only_frame_ratio=self.live_times.frame / self.armature_times.frame,
             worst_take=take,
             worst_frame=frame,
-            problem=None if is_corrected else f"left as skinned: {', '.join(sorted(set(statuses)))}",
-            components=volumes.components(statuses, [component.vertex_count for component in components]),
+            problem=None if is_corrected else f"left as skinned: {', '.join(sorted({part.status for part in parts}))}",
+            components=[volumes.component(index, part.status, part.vertex_count) for index, part in enumerate(parts)],
             moments=volumes.moments(frames),
         )

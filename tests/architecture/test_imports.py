@@ -17,7 +17,6 @@ ALLOWED_PARTS = {
     "properties": set(),
     "runtime": set(),
     "panels": {"properties", "runtime"},
-    "overlays": {"properties", "runtime"},
     "migrations": {"properties", "scene"},
     "live": JOINING,
     "handlers": JOINING | {"live", "migrations"},
