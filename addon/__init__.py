@@ -36,10 +36,11 @@ def register() -> None:
 
 
 def unregister() -> None:
-    from . import registration
     from .panels import engine_missing
 
     if engine_missing.is_registered():
         engine_missing.unregister()
     else:
+        from . import registration
+
         registration.unregister()
