@@ -40,29 +40,40 @@ def bind_waiting() -> None:
 
 
 def follow(depsgraph: bpy.types.Depsgraph) -> None:
-    """Bind again what an update made stale."""
+    """Bind again what an update made stale: whatever a character depends on updates the character too."""
     updated = {update.id.original for update in depsgraph.updates}
+    objects = [item for item in updated if isinstance(item, bpy.types.Object) and item.type == "MESH"]
+    _keep_house(objects)
     changed = {update.id.original for update in depsgraph.updates if update.is_updated_geometry}
-    # Dragging a curve's point comes without any name.
-    are_curves_edited = not updated or any(isinstance(item, bpy.types.NodeTree) for item in updated)
-    objects = [item for item in changed if isinstance(item, bpy.types.Object) and item.type == "MESH"]
-    data = {item for item in changed if isinstance(item, bpy.types.Mesh | bpy.types.Armature)}
-    with runtime.quiet():
-        housekeeping.give_own_carriers(objects)
-        if objects:
-            housekeeping.remove_orphans()
     # Moving a shape key's slider updates its mesh as well; its shape changes in edit modes.
     keyed = {item.user for item in changed if isinstance(item, bpy.types.Key)}
-    for target in housekeeping.characters():
-        known = runtime.character(target.session_uid)
-        armature = stack.armature_modifier(target)
-        rig = None if armature is None else armature.object
-        is_mesh_edited = target.data in data and (target.data not in keyed or target.mode in EDITING_MODES)
-        is_edited = is_mesh_edited or (rig is not None and rig.data in data)
-        known.is_stale = known.is_stale or is_edited or known.signature != stack.signature(target)
-        if not known.is_stale:
-            if (are_curves_edited or target in updated) and profiles.has_custom(target):
-                binding.refresh_tables(target)
-        elif target.mode not in EDITING_MODES and (rig is None or rig.mode != "EDIT"):
-            known.is_stale = False
-            binding.bind(target)
+    for target in objects:
+        if stack.volume_modifier(target) is not None:
+            is_editing = target.mode in EDITING_MODES
+            _follow_character(target, is_edited=target.data in changed and (is_editing or target.data not in keyed))
+    # Dragging a curve's point comes without any name.
+    if not updated or any(isinstance(item, bpy.types.NodeTree) for item in updated):
+        for target in housekeeping.characters():
+            _follow_curves(target)
+
+
+def _keep_house(objects: list[bpy.types.Object]) -> None:
+    with runtime.quiet():
+        housekeeping.give_own_carriers(objects)
+        if any(ob.turgor.version > 0 and stack.volume_modifier(ob) is None for ob in objects):
+            housekeeping.remove_orphans()
+
+
+def _follow_character(target: bpy.types.Object, *, is_edited: bool) -> None:
+    known = runtime.character(target.session_uid)
+    known.is_stale = known.is_stale or is_edited or known.signature != stack.signature(target)
+    if not known.is_stale:
+        _follow_curves(target)
+    elif target.mode not in EDITING_MODES:
+        known.is_stale = False
+        binding.bind(target)
+
+
+def _follow_curves(target: bpy.types.Object) -> None:
+    if profiles.has_custom(target):
+        binding.refresh_tables(target)

@@ -40,3 +40,20 @@ def read_bones(rig: bpy.types.Object, group_names: Collection[str]) -> RestBones
         np.array(places, np.int32),
         np.array([name in deform for name in names], bool),
     )
+
+
+def signature(armature: bpy.types.Armature) -> list[object]:
+    """What of the bones a binding depends on; cheap, for posing updates the armature too."""
+    bones = armature.bones
+    rest_matrices = np.empty((len(bones), 16), np.float32)
+    segments = np.empty(len(bones), np.int32)
+    is_deform = np.empty(len(bones), bool)
+    is_multiplied = np.empty(len(bones), bool)
+    if len(bones):
+        bones.foreach_get("matrix_local", rest_matrices.ravel())
+        bones.foreach_get("bbone_segments", segments)
+        bones.foreach_get("use_deform", is_deform)
+        bones.foreach_get("use_envelope_multiply", is_multiplied)
+    arrays = (rest_matrices, segments, is_deform, is_multiplied)
+    parents = [bone.parent.name if bone.parent else None for bone in bones]
+    return [bones.keys(), parents, *(array.tobytes() for array in arrays)]

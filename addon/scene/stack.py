@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import bpy
 
-from . import modifier_inputs, node_group
+from . import modifier_inputs, node_group, skeleton
 
 MODIFIER_NAME = "Turgor Volume"
 
@@ -151,10 +151,12 @@ _NOT_SETTINGS = frozenset(
 
 
 def signature(ob: bpy.types.Object) -> tuple[object, ...]:
-    """Settings up to the Armature modifier: while they are equal, so is what they make of an unchanged mesh."""
+    """Bones at rest, and settings up to the Armature: while equal, they make the same of an unchanged mesh."""
     armature = armature_modifier(ob)
     keys = ob.data.shape_keys
     read: list[object] = [ob.data.session_uid, [group.name for group in ob.vertex_groups]]
+    if armature is not None and armature.object is not None and armature.object.type == "ARMATURE":
+        read += skeleton.signature(armature.object.data)
     if keys is not None:
         read += [keys.use_relative, [(key.name, key.relative_key.name, key.vertex_group) for key in keys.key_blocks]]
     for modifier in ob.modifiers:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+
 import bpy
 import numpy as np
 import pytest
@@ -98,3 +100,16 @@ def test_panels_draw(runtime):
     add_turgor(ob)
     for name in ("TURGOR_PT_volume", "TURGOR_PT_joint"):
         assert getattr(bpy.types, name).poll(bpy.context)
+
+
+def test_posing_binds_nothing_again(route, monkeypatch):
+    ob, rig = character()
+    add_turgor(ob)
+    rig.animation_data_clear()
+    bpy.context.view_layer.update()
+    binds: list[bpy.types.Object] = []
+    monkeypatch.setattr(importlib.import_module("addon.live.binding"), "bind", binds.append)
+    for angle in (0.1, 0.2, 0.3):
+        rig.pose.bones["Bone1"].rotation_euler.x = angle
+        bpy.context.view_layer.update()
+    assert not binds
