@@ -50,7 +50,8 @@ def show(file: Path, output: Path) -> None:
     (output / "index.html").write_text(written, encoding="utf-8")
     for item in objects:
         before, after = item.max_relative_volume_error_before, item.max_relative_volume_error_after
-        print(f"{item.object}: off by {before} without, {after} with Turgor" if item.is_corrected else item.problem)
+        verdict = f"off by {before:.2g} without, {after:.2g} with Turgor" if item.is_corrected else item.problem
+        print(f"{item.object}: {verdict}")
     print(f"Look at {output / 'index.html'}")
 
 
