@@ -40,7 +40,13 @@ pub(crate) struct Binding {
 }
 
 impl Binding {
-    pub fn new(topology: Topology, rest: &[DVec3], skinning: &Skinning, shape_deltas: &[Vec<DVec3>], armature_from_object: DAffine3) -> Self {
+    pub fn new(
+        topology: Topology,
+        rest: &[DVec3],
+        skinning: &Skinning,
+        shape_deltas: &[Vec<DVec3>],
+        armature_from_object: DAffine3,
+    ) -> Self {
         let rest_centre = rest.iter().copied().sum::<DVec3>() / rest.len().max(1) as f64;
         let armature_from_rest = armature_from_object * DAffine3::from_translation(rest_centre);
         let centred: Vec<DVec3> = rest.iter().map(|&p| p - rest_centre).collect();

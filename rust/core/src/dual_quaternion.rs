@@ -39,11 +39,7 @@ impl DualQuaternion {
     fn rigid(q: DQuat, t: DVec3, scale: Option<DAffine3>) -> Self {
         let v = DVec3::new(q.x, q.y, q.z);
         let vector = 0.5 * (t * q.w + t.cross(v));
-        Self {
-            rotation: DVec4::new(q.w, q.x, q.y, q.z),
-            translation: DVec4::new(-0.5 * t.dot(v), vector.x, vector.y, vector.z),
-            scale,
-        }
+        Self { rotation: DVec4::new(q.w, q.x, q.y, q.z), translation: DVec4::new(-0.5 * t.dot(v), vector.x, vector.y, vector.z), scale }
     }
 
     /// The affine map this dual quaternion is when alone.
@@ -54,10 +50,7 @@ impl DualQuaternion {
             blend.transform(p)
         };
         let origin = map(DVec3::ZERO);
-        DAffine3 {
-            matrix3: DMat3::from_cols(map(DVec3::X) - origin, map(DVec3::Y) - origin, map(DVec3::Z) - origin),
-            translation: origin,
-        }
+        DAffine3 { matrix3: DMat3::from_cols(map(DVec3::X) - origin, map(DVec3::Y) - origin, map(DVec3::Z) - origin), translation: origin }
     }
 }
 

@@ -405,9 +405,8 @@ impl Workspace {
     pub(crate) fn apply_in_order(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
         self.corrected.copy_from_slice(&self.points);
         for joint in 0..binding.motions.tree.len() {
-            let mine: Vec<usize> = (0..self.jobs.len())
-                .filter(|&j| binding.plan.jobs[j].joint as usize == joint && self.jobs[j].frame.is_active)
-                .collect();
+            let mine: Vec<usize> =
+                (0..self.jobs.len()).filter(|&j| binding.plan.jobs[j].joint as usize == joint && self.jobs[j].frame.is_active).collect();
             if mine.is_empty() {
                 continue;
             }
@@ -415,7 +414,8 @@ impl Workspace {
                 let state = &mut self.jobs[*job];
                 (state.regained, state.displacement, state.is_capped) = (0.0, 0.0, false);
             }
-            let shares: Vec<[f64; 4]> = mine.iter().map(|&j| self.jobs[j].frame.ordered_shares(&self.jobs[j].hold, settings[joint].shares)).collect();
+            let shares: Vec<[f64; 4]> =
+                mine.iter().map(|&j| self.jobs[j].frame.ordered_shares(&self.jobs[j].hold, settings[joint].shares)).collect();
             for step in 0..4 {
                 if shares.iter().all(|s| s[step] == 0.0) {
                     continue;

@@ -81,7 +81,14 @@ impl Mesh {
     ///
     /// # Errors
     /// Wrong lengths, values that are not finite or negative γ, a component whose volume γ cannot change.
-    pub fn correct(&self, positions: &[DVec3], target: Target, gamma: &[f64], axes: Option<[DVec3; 3]>, shares: Shares) -> Result<Vec<DVec3>> {
+    pub fn correct(
+        &self,
+        positions: &[DVec3],
+        target: Target,
+        gamma: &[f64],
+        axes: Option<[DVec3; 3]>,
+        shares: Shares,
+    ) -> Result<Vec<DVec3>> {
         if gamma.len() != positions.len() {
             return Err(Error::Length { what: "gamma", found: gamma.len(), needed: positions.len() });
         }

@@ -73,7 +73,14 @@ impl Skinning {
     ///
     /// # Errors
     /// Lengths that do not match, bones out of range, weights that are negative or not finite.
-    pub fn new(skeleton: Skeleton, offsets: &[i32], bones: &[i32], weights: &[f64], mode: Mode, vertex_mask: Option<&[f64]>) -> Result<Self> {
+    pub fn new(
+        skeleton: Skeleton,
+        offsets: &[i32],
+        bones: &[i32],
+        weights: &[f64],
+        mode: Mode,
+        vertex_mask: Option<&[f64]>,
+    ) -> Result<Self> {
         check_offsets("weight_offsets", offsets, weights.len())?;
         if bones.len() != weights.len() {
             return Err(Error::Length { what: "weight_bones", found: bones.len(), needed: weights.len() });

@@ -46,7 +46,15 @@ pub(crate) struct Supports {
 
 impl Supports {
     /// `rest` per site and `inverse_areas` per point in armature space; `settings` per joint.
-    pub fn new(topology: &Topology, sites: &Sites, tree: &JointTree, jobs: &[Job], rest: &[DVec3], inverse_areas: &[f32], settings: &[Joint]) -> Self {
+    pub fn new(
+        topology: &Topology,
+        sites: &Sites,
+        tree: &JointTree,
+        jobs: &[Job],
+        rest: &[DVec3],
+        inverse_areas: &[f32],
+        settings: &[Joint],
+    ) -> Self {
         let lengths: Vec<f64> = automatic_lengths(tree, sites, rest).iter().zip(settings).map(|(l, s)| l * s.size).collect();
         let mut children: Vec<Vec<usize>> = vec![Vec::new(); tree.len()];
         for joint in 0..tree.len() {

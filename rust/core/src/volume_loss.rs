@@ -136,7 +136,15 @@ impl LossPlan {
     }
 
     /// What every joint did to every component, in this frame's `motions`.
-    pub fn measure(&self, motions: &Motions, sites: &Sites, rest: &[DVec3], moments: &[Moment], fringe: &mut [Change], changes: &mut [Change]) {
+    pub fn measure(
+        &self,
+        motions: &Motions,
+        sites: &Sites,
+        rest: &[DVec3],
+        moments: &[Moment],
+        fringe: &mut [Change],
+        changes: &mut [Change],
+    ) {
         fringe.par_iter_mut().zip(self.fringe.patches()).for_each(|(change, patch)| {
             let joint = self.jobs[patch.group as usize].joint as usize;
             *change = Change::default();

@@ -25,9 +25,16 @@ fn describe(array: &Bound<'_, PyAny>) -> String {
 }
 
 /// A flat copy of an array whose shape `accepts` allows; `needed` says which those are.
-fn read<T: numpy::Element + Copy>(value: &Bound<'_, PyAny>, what: &str, dtype: &str, needed: &str, accepts: impl Fn(&[usize]) -> bool) -> PyResult<Vec<T>> {
+fn read<T: numpy::Element + Copy>(
+    value: &Bound<'_, PyAny>,
+    what: &str,
+    dtype: &str,
+    needed: &str,
+    accepts: impl Fn(&[usize]) -> bool,
+) -> PyResult<Vec<T>> {
     let array = contiguous(value, what, dtype)?;
-    let array = array.cast::<PyArrayDyn<T>>().map_err(|_| TurgorError::new_err(format!("{what}: need {dtype}, got {}", describe(value))))?;
+    let array =
+        array.cast::<PyArrayDyn<T>>().map_err(|_| TurgorError::new_err(format!("{what}: need {dtype}, got {}", describe(value))))?;
     // numpy makes at least one dimension of a scalar; an empty list has the shape (0,).
     let is_empty = array.len() == 0;
     if !accepts(array.shape()) && !(is_empty && array.shape() == [0]) {

@@ -150,7 +150,13 @@ impl VolumeSkin {
     }
 
     #[pyo3(signature = (joints, *, solver=None, keep_bone_scale=None))]
-    fn with_joints(&self, py: Python<'_>, joints: Option<Vec<PyRef<'_, Joint>>>, solver: Option<&str>, keep_bone_scale: Option<bool>) -> PyResult<Self> {
+    fn with_joints(
+        &self,
+        py: Python<'_>,
+        joints: Option<Vec<PyRef<'_, Joint>>>,
+        solver: Option<&str>,
+        keep_bone_scale: Option<bool>,
+    ) -> PyResult<Self> {
         let bound = self.inner.options();
         let options = Options {
             solver: solver.map_or(Ok(bound.solver), self::solver)?,
@@ -223,7 +229,9 @@ impl VolumeSkin {
             return self.write(py, &pose, &mut []);
         }
         if offsets_address == 0 || !offsets_address.is_multiple_of(align_of::<f32>()) {
-            return Err(TurgorError::new_err(format!("offsets_address: need the address of {vertex_count} rows of float32, got {offsets_address:#x}")));
+            return Err(TurgorError::new_err(format!(
+                "offsets_address: need the address of {vertex_count} rows of float32, got {offsets_address:#x}"
+            )));
         }
         // SAFETY: the caller promises `vertex_count` rows of three floats, alive and unaliased during the call.
         let rows = unsafe { std::slice::from_raw_parts_mut(offsets_address as *mut [f32; 3], vertex_count) };
