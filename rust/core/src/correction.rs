@@ -170,7 +170,7 @@ impl Field {
     /// The field that adds `volume`, shaped as far as the cap on displacements allows. What it leaves (`volume` minus
     /// the field's own) is for a wider one.
     pub fn new(frame: &FieldFrame, hold: &Hold, shares: Shares, volume: f64) -> Self {
-        let mut field = Self::default();
+        let mut field = Self { shaped: DMat3::ZERO, ..Self::default() };
         if hold.all <= 0.0 {
             return field;
         }
