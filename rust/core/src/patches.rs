@@ -18,7 +18,8 @@ pub(crate) const PATCH_POINTS: usize = 1024;
 pub(crate) struct Patch {
     /// Caller's label: every face of a patch has the same.
     pub group: u32,
-    points: Range<usize>,
+    /// Where its points lie among those of all patches: its slots.
+    pub points: Range<usize>,
     triangles: Range<usize>,
     quads: Range<usize>,
     polygons: Range<usize>,
@@ -27,7 +28,7 @@ pub(crate) struct Patch {
 /// All faces of a sweep.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Patches {
-    patches: Vec<Patch>,
+    list: Vec<Patch>,
     points: Vec<u32>,
     triangles: Vec<[u16; 3]>,
     quads: Vec<[u16; 4]>,
@@ -79,7 +80,7 @@ impl Patches {
         for polygon in open.polygons.drain(..) {
             self.polygons.push_row(polygon);
         }
-        self.patches.push(Patch {
+        self.list.push(Patch {
             group,
             points: points..self.points.len(),
             triangles: triangles..self.triangles.len(),
@@ -90,15 +91,15 @@ impl Patches {
     }
 
     pub fn len(&self) -> usize {
-        self.patches.len()
+        self.list.len()
     }
 
     pub fn patch(&self, index: usize) -> &Patch {
-        &self.patches[index]
+        &self.list[index]
     }
 
     pub fn patches(&self) -> &[Patch] {
-        &self.patches
+        &self.list
     }
 
     pub fn giants(&self) -> &[(u32, Vec<u32>)] {
@@ -110,16 +111,12 @@ impl Patches {
         &self.points
     }
 
-    pub fn slots(&self, patch: &Patch) -> Range<usize> {
-        patch.points.clone()
-    }
-
     pub fn points_of(&self, patch: &Patch) -> &[u32] {
         &self.points[patch.points.clone()]
     }
 
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.patches)
+        size_of_val(&*self.list)
             + size_of_val(&*self.points)
             + size_of_val(&*self.triangles)
             + size_of_val(&*self.quads)

@@ -70,10 +70,11 @@ impl Supports {
         for chunk in 0..topology.point_count.div_ceil(CHUNK) {
             let mut chunk_jobs: Vec<u32> = Vec::new();
             let mut chunk_components: Vec<u32> = Vec::new();
-            for point in chunk * CHUNK..((chunk + 1) * CHUNK).min(topology.point_count) {
+            let points = chunk * CHUNK..((chunk + 1) * CHUNK).min(topology.point_count);
+            for (point, &inverse_area) in points.clone().zip(&inverse_areas[points]) {
                 let component = topology.component_of_point[point];
                 let sound = component != NO_COMPONENT && topology.components[component as usize].is_sound();
-                if !sound || inverse_areas[point] <= 0.0 {
+                if !sound || inverse_area <= 0.0 {
                     holds.push_row([]);
                     continue;
                 }
@@ -95,12 +96,12 @@ impl Supports {
                     let joint = same[0].0;
                     let belongs = same.iter().map(|n| n.1).sum::<f64>().min(1.0);
                     let distance = place.distance(tree.heads[joint]) / (REACH * lengths[joint]);
-                    if !(distance < 1.0) {
+                    if distance >= 1.0 || distance.is_nan() {
                         continue;
                     }
                     let weight = belongs * belongs * (3.0 - 2.0 * belongs) * (1.0 - distance * distance).powi(2);
                     let Ok(job) = jobs.binary_search(&Job { joint: joint as u32, component }) else { continue };
-                    let weight = weight as f32 * inverse_areas[point];
+                    let weight = weight as f32 * inverse_area;
                     if weight <= 0.0 || !weight.is_finite() {
                         continue;
                     }

@@ -123,8 +123,7 @@ impl Surface {
             }
             _ => {
                 let half = volumes.len() / 2;
-                let slot_count =
-                    self.patches.slots(self.patches.patch(first + half)).start - self.patches.slots(self.patches.patch(first)).start;
+                let slot_count = self.patches.patch(first + half).points.start - self.patches.patch(first).points.start;
                 let (volumes, later_volumes) = volumes.split_at_mut(half);
                 let (slots, later_slots) = slots.split_at_mut(slot_count);
                 rayon::join(
