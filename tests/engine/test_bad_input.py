@@ -81,7 +81,6 @@ CASES: dict[str, Callable[[], object]] = {
     "joint: strength not a number": lambda: turgor.Joint(0, strength=np.nan),
     "joint: no size": lambda: turgor.Joint(0, size=0.0),
     "joint: profile of one sample": lambda: turgor.Joint(0, profiles=([1.0], [1.0, 1.0], [1.0, 1.0])),
-    "joint: negative profile": lambda: turgor.Joint(0, profiles=([1.0, -1.0], [1.0, 1.0], [1.0, 1.0])),
     "pose: not a number": lambda: BODY.deform(with_entry(POSE, (1, 0, 0), np.nan)),
     "pose: infinite": lambda: BODY.deform(with_entry(POSE, (1, 0, 3), np.inf)),
     "pose: of another rig": lambda: BODY.deform(POSE[:-1]),
@@ -137,6 +136,15 @@ class TestUnusualButFine:
         skeleton = turgor.Skeleton(RIG.parents, rest)
         body = turgor.VolumeSkin(RIG.surface.mesh(), turgor.Skinning(skeleton, OFFSETS, BONES, WEIGHTS))
         assert np.isfinite(body.deform(POSE).positions).all()
+
+    def test_negative_profile_samples_count_as_zero(self):
+        def bent_with(along: list[float]) -> np.ndarray:
+            curves = (along, [0.0, 1.0, 0.0], [0.0, 1.0, 0.0])
+            return RIG.body(joints=[turgor.Joint(1, profiles=curves)]).deform(POSE).positions
+
+        clamped = bent_with([0.0, 1.0, 0.0])
+        assert (bent_with([-3.0, 1.0, -0.5]) == clamped).all()
+        assert (bent_with([3.0, 1.0, 0.5]) != clamped).any()
 
     def test_no_vertices(self):
         empty = turgor.Mesh(np.zeros((0, 3)), np.zeros(1, np.int32), np.zeros(0, np.int32))

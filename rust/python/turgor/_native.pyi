@@ -1,7 +1,7 @@
 """The compiled engine. Arrays are numpy; see each call for shape, dtype, space and errors."""
 
 from collections.abc import Sequence
-from typing import Literal
+from typing import Literal, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,7 @@ Shares = tuple[float, float, float] | Literal["auto"]
 class TurgorError(ValueError):
     """What was found, what is needed, what to do."""
 
+@final
 class Mesh:
     """A surface at rest: corners welded by position, shells found, openings closed by virtual caps.
 
@@ -51,6 +52,7 @@ class Mesh:
     def volume_gradient(self, positions: ArrayLike) -> NDArray[np.float64]:
         """(N, 3) derivative of `volume` by each vertex; twins of one point share its gradient."""
 
+@final
 class Component:
     """One connected shell of a mesh."""
 
@@ -76,6 +78,7 @@ class Component:
     def flipped_face_count(self) -> int:
         """Faces whose winding was turned to agree with the majority."""
 
+@final
 class Skeleton:
     """Bones at rest.
 
@@ -87,6 +90,7 @@ class Skeleton:
     @property
     def bone_count(self) -> int: ...
 
+@final
 class Skinning:
     """Blend skinning that reproduces Blender's Armature modifier.
 
@@ -122,13 +126,14 @@ class Skinning:
         object_from_armature: (4, 4), inverse(object.matrix_world) @ armature.matrix_world; identity if None.
         """
 
+@final
 class Joint:
     """How the volume lost at the joint at the head of `bone` is given back.
 
     shares: parts along the joint's axes e0 (along the parent), e1 (axis of the bend), e2 (inside of the bend), or
-        "auto": the least displacement.
-    profiles: three 1D curves over x in [-1, 1] of the joint's length, each a sequence of at least 2 samples >= 0 at even
-        spacing, zero outside; None: the isotropic bell.
+        "auto", which None stands for: the least displacement.
+    profiles: three 1D curves over x in [-1, 1] of the joint's length, each a sequence of at least 2 samples at even
+        spacing, zero outside; samples below 0 count as 0. None: the isotropic bell.
     folded_profile: second curve for axis 0, reached as the loss approaches `folded_loss_relative` of the volume of the
         joint's vicinity, a tenth of its length cubed (Belly); None: no change with loss.
     strength: part of the loss given back, >= 0. size: factor on the joint's automatic length, > 0.
@@ -137,7 +142,7 @@ class Joint:
     def __new__(
         cls,
         bone: int,
-        shares: Shares = "auto",
+        shares: Shares | None = None,
         profiles: tuple[ArrayLike, ArrayLike, ArrayLike] | None = None,
         *,
         folded_profile: ArrayLike | None = None,
@@ -154,6 +159,7 @@ class Joint:
     @property
     def shares(self) -> Shares: ...
 
+@final
 class VolumeSkin:
     """A bound character: skins and restores the volume. Immutable; safe to call from several threads.
 
@@ -162,7 +168,7 @@ class VolumeSkin:
     solver: "simultaneous" (order-free, default) or "sequential" (as in the paper, parents first).
     keep_bone_scale: bone scale and translation move the target volume (intent, not loss). False: the target is the rest
         volume whatever the bones do.
-    object_from_armature: (4, 4) as it stands at bind; it turns lengths of the mesh into the skeleton's. Identity if None.
+    object_from_armature: (4, 4) as it stands at bind; turns lengths of the mesh into the skeleton's. Identity if None.
     shape_deltas: (K, N, 3) displacement of each shape key from rest_positions, mixed by `shape_values` each frame.
     """
 
@@ -221,7 +227,7 @@ class VolumeSkin:
         strengths: ArrayLike | None = None,
         target_scale: float = 1.0,
     ) -> Report:
-        """As `deform`, writing corrected - skinned into `offsets`, (N, 3) float32 C-contiguous. No array is allocated."""
+        """As `deform`, writing corrected - skinned into `offsets`, (N, 3) float32 C-contiguous; allocates no array."""
     def deform_into_address(
         self,
         offsets_address: int,
@@ -235,6 +241,7 @@ class VolumeSkin:
     ) -> Report:
         """As `deform_into`, at a raw address of vertex_count * 3 floats that the caller keeps alive."""
 
+@final
 class Frame:
     """Result of one frame, object space."""
 
@@ -250,6 +257,7 @@ class Frame:
     @property
     def report(self) -> Report: ...
 
+@final
 class Report:
     """Figures of one frame. Volumes are signed like the component, cubic units of object space."""
 

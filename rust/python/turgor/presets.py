@@ -21,7 +21,7 @@ MUSCLE_CENTRE = 0.35
 FOLD_FREQUENCY = 6.0
 BELLY_WIDTHS = (0.35, 0.3, 0.3)
 
-_X = np.linspace(-1.0, 1.0, SAMPLE_COUNT)
+_X: Profile = np.linspace(-1.0, 1.0, SAMPLE_COUNT, dtype=np.float64)
 
 
 def bell(width: float = BELL_WIDTH, centre: float = 0.0) -> Profile:
@@ -34,7 +34,7 @@ def _inside() -> Profile:
 
 
 def _waves(frequency: float) -> Profile:
-    return np.sin(np.pi * frequency * _X) ** 2
+    return np.square(np.sin(np.pi * frequency * _X))
 
 
 DEFAULT_SHARES: dict[PresetName, Shares] = {
@@ -81,26 +81,26 @@ def joint(
     )
 
 
-def isotropic(bone: int, **settings: float) -> Joint:
+def isotropic(bone: int, *, strength: float = 1.0, size: float = 1.0) -> Joint:
     """Even swelling around the joint, by the least displacement."""
-    return joint("isotropic", bone, **settings)
+    return joint("isotropic", bone, strength=strength, size=size)
 
 
-def rubber(bone: int, **settings: float) -> Joint:
+def rubber(bone: int, *, strength: float = 1.0, size: float = 1.0) -> Joint:
     """Bulges sideways, along the axis of the bend."""
-    return joint("rubber", bone, **settings)
+    return joint("rubber", bone, strength=strength, size=size)
 
 
-def muscle(bone: int, **settings: float) -> Joint:
+def muscle(bone: int, *, strength: float = 1.0, size: float = 1.0) -> Joint:
     """Swells on the parent's side, on the inside of the bend: a biceps."""
-    return joint("muscle", bone, **settings)
+    return joint("muscle", bone, strength=strength, size=size)
 
 
-def folds(bone: int, **settings: float) -> Joint:
+def folds(bone: int, *, strength: float = 1.0, size: float = 1.0) -> Joint:
     """Wrinkles across the parent's direction."""
-    return joint("folds", bone, **settings)
+    return joint("folds", bone, strength=strength, size=size)
 
 
-def belly(bone: int, **settings: float) -> Joint:
+def belly(bone: int, *, strength: float = 1.0, size: float = 1.0) -> Joint:
     """One bulge at the inside of the bend while little is lost, folds as more is."""
-    return joint("belly", bone, **settings)
+    return joint("belly", bone, strength=strength, size=size)
