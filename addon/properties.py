@@ -148,9 +148,11 @@ class TurgorObject(bpy.types.PropertyGroup):
         max=100.0,
         override=OVERRIDABLE,
     )
-    # The mesh as it was bound: frame at which modifiers before the Armature were read, and its topology.
+    # The mesh as it was bound: frame at which modifiers before the Armature were read, its topology, and the matrix
+    # object_from_armature by rows, all zero when there is none yet.
     bound_frame: IntProperty(override=OVERRIDABLE, options={"HIDDEN"})
     bound_topology: StringProperty(override=OVERRIDABLE, options={"HIDDEN"})
+    bound_placement: FloatVectorProperty(size=16, default=(0.0,) * 16, override=OVERRIDABLE, options={"HIDDEN"})
     curves: PointerProperty(type=bpy.types.ShaderNodeTree, override=OVERRIDABLE)
     carrier: PointerProperty(type=TurgorCarrier, override=OVERRIDABLE)
 

@@ -8,12 +8,14 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import bpy
+import numpy as np
+from numpy.typing import NDArray
 from turgor import TurgorError
 
 from .. import runtime
 from ..logic import body, fingerprint, weights
 from ..logic.joints import Tables
-from ..scene import carrier, drivers, rest, settings, skeleton, stack
+from ..scene import carrier, drivers, placement, rest, settings, skeleton, stack
 from . import profiles
 
 
@@ -22,7 +24,9 @@ class Bound(NamedTuple):
 
     body: body.Body
     bones: skeleton.RestBones
-    content: str  # fingerprint of all that was bound
+    rig: int  # session uid of the armature's object
+    content: str  # fingerprint of the mesh, weights and bones that were bound
+    placement: NDArray[np.float64]  # (4, 4) object_from_armature that was bound
     tables: dict[int, Tables]  # Custom curves, by place of the joint
 
 
@@ -47,7 +51,7 @@ def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
     try:
         with runtime.quiet():
             bound = _bind(target, known.body, accept_topology)
-    except (BindError, rest.ShapeKeyTopologyError, TurgorError) as error:
+    except (BindError, rest.ShapeKeyTopologyError, placement.PlacementError, TurgorError) as error:
         bound, problem = None, str(error)
     known.body = bound
     known.notes = () if bound is None else bound.body.uncorrected_parts()
@@ -103,13 +107,30 @@ def _bind(target: bpy.types.Object, before: Bound | None, accept_topology: bool)
     )
     if before is not None and is_editable(target):
         settings.rename_joints(target, _renamed(before.bones, bones))
-    if before is not None and before.content == content:
+    place = _placement(target, armature.object, is_changed=_is_changed(before, armature.object, content))
+    if before is not None and before.content == content and (before.placement == place).all():
         made = before.body
     else:
-        made = _engine(read, bones, group_names, armature)
+        made = _engine(read, bones, group_names, armature, place)
     if is_editable(target):
         _prepare_scene(target, armature.object, bones, made)
-    return Bound(made, bones, content, profiles.tables(target))
+    return Bound(made, bones, armature.object.session_uid, content, place, profiles.tables(target))
+
+
+def _is_changed(before: Bound | None, rig: bpy.types.Object, content: str) -> bool:
+    return before is not None and (before.rig != rig.session_uid or before.content != content)
+
+
+def _placement(target: bpy.types.Object, rig: bpy.types.Object, *, is_changed: bool) -> NDArray[np.float64]:
+    """object_from_armature to bind with: as saved, so that no frame and no session counts, anew after an edit.
+
+    is_changed: mesh, bones or armature are others than at the last bind, perhaps by applying a scale.
+    """
+    saved = placement.bound_object_from_armature(target)
+    if is_editable(target) and (saved is None or is_changed):
+        placement.save(target, rig)
+        saved = placement.bound_object_from_armature(target)
+    return placement.object_from_armature(target, rig) if saved is None else saved
 
 
 def _check_topology(target: bpy.types.Object, read: rest.RestMesh, accept: bool) -> None:
@@ -129,6 +150,7 @@ def _engine(
     bones: skeleton.RestBones,
     group_names: list[str],
     armature: bpy.types.ArmatureModifier,
+    object_from_armature: NDArray[np.float64],
 ) -> body.Body:
     groups = (read.weight_offsets, read.weight_groups, read.weights)
     deform = {name: index for index, name in enumerate(bones.names) if bones.is_deform[index]}
@@ -145,6 +167,7 @@ def _engine(
         mask,
         armature.use_deform_preserve_volume,
         read.shape_deltas,
+        object_from_armature,
     )
 
 

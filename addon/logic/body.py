@@ -31,8 +31,12 @@ def bind(
     vertex_mask: NDArray[np.float32] | None,
     is_dual_quaternion: bool,
     shape_deltas: NDArray[np.float32],
+    object_from_armature: NDArray[np.float64],
 ) -> Body:
-    """Shapes as in the fields of `scene.rest.RestMesh` and `scene.skeleton.RestBones`."""
+    """Shapes as in the fields of `scene.rest.RestMesh` and `scene.skeleton.RestBones`.
+
+    object_from_armature: (4, 4) at rest. Rigs come at other scales than their meshes, and joints have lengths.
+    """
     skinning = turgor.Skinning(
         turgor.Skeleton(parents, rest_matrices),
         *weights,
@@ -40,7 +44,8 @@ def bind(
         vertex_mask=vertex_mask,
     )
     mesh = turgor.Mesh(positions, face_offsets, face_corners)
-    return Body(turgor.VolumeSkin(mesh, skinning, shape_deltas=shape_deltas if len(shape_deltas) else None))
+    deltas = shape_deltas if len(shape_deltas) else None
+    return Body(turgor.VolumeSkin(mesh, skinning, shape_deltas=deltas, object_from_armature=object_from_armature))
 
 
 class Body:

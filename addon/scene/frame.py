@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from . import shape_keys, stack
+from . import placement, shape_keys, stack
 
 
 class FrameInputs(NamedTuple):
@@ -29,13 +29,7 @@ def read_frame(target: bpy.types.Object) -> FrameInputs:
     if armature is None or armature.object is None:
         raise FrameError(stack.obstacle(target) or "No armature")
     rig = armature.object
-    world_from_object = np.array(target.matrix_world, np.float64)
-    try:
-        object_from_world = np.linalg.inv(world_from_object)
-    except np.linalg.LinAlgError:
-        raise FrameError("Object is scaled to zero: give it a scale other than 0 on every axis") from None
-    object_from_armature = object_from_world @ np.array(rig.matrix_world, np.float64)
-    return FrameInputs(_read_pose(rig), object_from_armature, shape_keys.read_values(target))
+    return FrameInputs(_read_pose(rig), placement.object_from_armature(target, rig), shape_keys.read_values(target))
 
 
 def _read_pose(rig: bpy.types.Object) -> NDArray[np.float32]:

@@ -1,0 +1,39 @@
+"""Where the armature stands to the mesh: now, and as it stood when the character was bound.
+
+The binding uses the saved place, so that it is the same in every session, whatever frame is opened first.
+"""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+NO_INVERSE = "Object is scaled to zero: give it a scale other than 0 on every axis"
+
+
+class PlacementError(ValueError):
+    """The object's matrix has no inverse; says what to do."""
+
+
+def object_from_armature(target: bpy.types.Object, rig: bpy.types.Object) -> NDArray[np.float64]:
+    """(4, 4) as both stand now."""
+    try:
+        object_from_world = np.linalg.inv(np.array(target.matrix_world, np.float64))
+    except np.linalg.LinAlgError:
+        raise PlacementError(NO_INVERSE) from None
+    return object_from_world @ np.array(rig.matrix_world, np.float64)
+
+
+def bound_object_from_armature(target: bpy.types.Object) -> NDArray[np.float64] | None:
+    """(4, 4) as saved; None when nothing was saved."""
+    saved = np.array(target.turgor.bound_placement, np.float64).reshape(4, 4)
+    return saved if saved.any() else None
+
+
+def save(target: bpy.types.Object, rig: bpy.types.Object) -> None:
+    """Bind with the armature where it stands now."""
+    matrix = object_from_armature(target, rig)
+    if not np.isfinite(matrix).all() or np.linalg.det(matrix) == 0.0:
+        raise PlacementError(f"{rig.name} is scaled to zero or stands nowhere: correct its transform and press Rebind")
+    target.turgor.bound_placement = matrix.ravel()
