@@ -37,7 +37,7 @@ fn read<T: numpy::Element + Copy>(
         array.cast::<PyArrayDyn<T>>().map_err(|_| TurgorError::new_err(format!("{what}: need {dtype}, got {}", describe(value))))?;
     // numpy makes at least one dimension of a scalar; an empty list has the shape (0,).
     let is_empty = array.len() == 0;
-    if !accepts(array.shape()) && !(is_empty && array.shape() == [0]) {
+    if !(accepts(array.shape()) || is_empty && array.shape() == [0]) {
         return Err(TurgorError::new_err(format!("{what}: need {dtype} {needed}, got {}", describe(value))));
     }
     Ok(array.try_readonly().map_err(|e| PyValueError::new_err(format!("{what}: {e}")))?.as_slice()?.to_vec())
@@ -50,8 +50,7 @@ pub fn vectors(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<DVec3>> {
 
 pub fn vector_rows(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<Vec<DVec3>>> {
     let array = contiguous(value, what, "float64")?;
-    let rows = array.try_iter()?.map(|row| vectors(&row?, what)).collect();
-    rows
+    array.try_iter()?.map(|row| vectors(&row?, what)).collect()
 }
 
 pub fn matrices(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<DMat4>> {
@@ -77,7 +76,7 @@ pub fn indices(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<i32>> {
 }
 
 pub fn from_vectors<'py>(py: Python<'py>, vectors: &[DVec3]) -> Bound<'py, PyArray2<f64>> {
-    let flat: Vec<f64> = vectors.iter().flat_map(|v| v.to_array()).collect();
+    let flat: Vec<f64> = vectors.iter().flat_map(DVec3::to_array).collect();
     shaped(py, flat)
 }
 

@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 pyo3::create_exception!(turgor, TurgorError, pyo3::exceptions::PyValueError, "What was found, what is needed, what to do.");
 
 /// Engine errors become `turgor.TurgorError`.
+#[allow(clippy::needless_pass_by_value, reason = "what map_err hands over")]
 fn refused(error: turgor::Error) -> PyErr {
     TurgorError::new_err(error.to_string())
 }
