@@ -58,6 +58,8 @@ def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
     difference = stack.render_difference(target)
     if difference is not None:
         known.notes += (difference,)
+    if is_editable(target) and target.override_library is None:
+        _set_in_renders(target, difference is None)
     runtime.set_problem(target.session_uid, target.name, problem)
     holder = carrier.carrier_of(target)
     if holder is not None:
@@ -175,6 +177,12 @@ def _renamed(before: skeleton.RestBones, after: skeleton.RestBones) -> dict[str,
     """New names of bones, when nothing but names changed."""
     is_same = before.parents.tolist() == after.parents.tolist()
     return dict(zip(before.names, after.names, strict=True)) if is_same else {}
+
+
+def _set_in_renders(target: bpy.types.Object, is_same: bool) -> None:
+    ours, armature = stack.volume_modifier(target), stack.armature_modifier(target)
+    if ours is not None and armature is not None:
+        drivers.set_in_renders(target, ours, armature, is_same)
 
 
 def _prepare_scene(target: bpy.types.Object, rig: bpy.types.Object, bones: skeleton.RestBones, made: body.Body) -> None:

@@ -45,6 +45,7 @@ def remove(target: bpy.types.Object) -> None:
 def forget_settings(target: bpy.types.Object) -> None:
     """Drop saved and runtime settings of an object without our modifier."""
     curves.remove_tree(target)
+    drivers.remove_stray(target)
     target.property_unset("turgor")
     runtime.session.characters.pop(target.session_uid, None)
 

@@ -25,10 +25,45 @@ class Source(NamedTuple):
 
 def follow_armature(ob: bpy.types.Object, ours: bpy.types.NodesModifier, armature: bpy.types.ArmatureModifier) -> None:
     """Drive our hidden inputs by the switches of the Armature modifier."""
+    for identifier in _SWITCHES:
+        _follow_switch(ob, ours, armature, identifier)
+
+
+def set_in_renders(
+    ob: bpy.types.Object, ours: bpy.types.NodesModifier, armature: bpy.types.ArmatureModifier, is_same: bool
+) -> None:
+    """Renders follow the Armature modifier where they show the bound mesh, else they are plain skinning."""
+    path = modifier_inputs.input_path(ours, node_group.IN_RENDER)
+    animation = ob.animation_data
+    if is_same == (animation is not None and animation.drivers.find(path) is not None):
+        return
+    if is_same:
+        _follow_switch(ob, ours, armature, node_group.IN_RENDER)
+    else:
+        ob.driver_remove(path)
+        modifier_inputs.write_input(ours, node_group.IN_RENDER, False)
+    ob.update_tag()
+
+
+def remove_stray(ob: bpy.types.Object) -> None:
+    """Our drivers that Blender leaves behind when it applies a modifier."""
+    if ob.animation_data is None:
+        return
+    for curve in list(ob.animation_data.drivers):
+        found = modifier_inputs.parse_path(curve.data_path)
+        if found is not None and found[0] not in ob.modifiers and found[1] in _SWITCHES:
+            ob.animation_data.drivers.remove(curve)
+
+
+_SWITCHES = {node_group.IN_VIEWPORT: "show_viewport", node_group.IN_RENDER: "show_render"}
+
+
+def _follow_switch(
+    ob: bpy.types.Object, ours: bpy.types.NodesModifier, armature: bpy.types.ArmatureModifier, identifier: str
+) -> None:
     name = bpy.utils.escape_identifier(armature.name)
-    for identifier, switch in ((node_group.IN_VIEWPORT, "show_viewport"), (node_group.IN_RENDER, "show_render")):
-        driver = _new_driver(ob, modifier_inputs.input_path(ours, identifier))
-        _add_variable(driver, Source("SINGLE_PROP", "OBJECT", ob, f'modifiers["{name}"].{switch}'))
+    driver = _new_driver(ob, modifier_inputs.input_path(ours, identifier))
+    _add_variable(driver, Source("SINGLE_PROP", "OBJECT", ob, f'modifiers["{name}"].{_SWITCHES[identifier]}'))
 
 
 def write_tick(carrier: bpy.types.Object, rig: bpy.types.Object, bone_names: Iterable[str]) -> None:

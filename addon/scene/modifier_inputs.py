@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import bpy
@@ -30,6 +31,12 @@ def input_path(modifier: bpy.types.NodesModifier, identifier: str) -> str:
     if HAS_RNA_INPUTS:
         return f'modifiers["{name}"].properties.inputs.{identifier}.value'
     return f'modifiers["{name}"]["{identifier}"]'
+
+
+def parse_path(path: str) -> tuple[str, str] | None:
+    """Names of modifier and input of an `input_path`; None of any other path."""
+    found = re.fullmatch(r'modifiers\["(.*)"\](?:\["(\w+)"\]|\.properties\.inputs\.(\w+)\.value)', path)
+    return None if found is None else (bpy.utils.unescape_identifier(found[1]), found[2] or found[3])
 
 
 def read_values(modifier: bpy.types.NodesModifier) -> list[Any]:

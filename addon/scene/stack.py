@@ -21,6 +21,9 @@ MOVING_NODES = frozenset(
     "GeometryNodeInputSceneTime GeometryNodeObjectInfo GeometryNodeCollectionInfo GeometryNodeSimulationInput"
     " GeometryNodeInputActiveCamera GeometryNodeSelfObject".split()
 )
+VIEWPORT_NODES = frozenset({"GeometryNodeIsViewport"})
+# More levels than any subdivision has.
+ANY_LEVEL = 99
 # With these before the Armature the mesh is a weighted sum of the shape keys' meshes.
 LINEAR_TYPES = frozenset(
     "MIRROR SUBSURF TRIANGULATE MULTIRES EDGE_SPLIT MASK NORMAL_EDIT WEIGHTED_NORMAL UV_PROJECT UV_WARP"
@@ -37,13 +40,18 @@ def volume_modifier(ob: bpy.types.Object) -> bpy.types.NodesModifier | None:
 
 
 def armature_modifier(ob: bpy.types.Object) -> bpy.types.ArmatureModifier | None:
-    """The Armature that is corrected: right before our modifier, or the last one when ours is not there yet."""
+    """The Armature that is corrected: right before our modifier, or the last one in use when ours is not there yet."""
     ours = volume_modifier(ob)
     modifiers = list(ob.modifiers)
     if ours is not None:
         modifiers = modifiers[: modifiers.index(ours)][-1:]
     armatures = [modifier for modifier in modifiers if modifier.type == "ARMATURE"]
-    return armatures[-1] if armatures else None
+    in_use = [modifier for modifier in armatures if _is_on(modifier)]
+    return (in_use or armatures or [None])[-1]
+
+
+def _is_on(modifier: bpy.types.Modifier) -> bool:
+    return modifier.show_viewport or modifier.show_render
 
 
 def modifiers_before(ob: bpy.types.Object, modifier: bpy.types.Modifier) -> Iterator[bpy.types.Modifier]:
@@ -51,7 +59,7 @@ def modifiers_before(ob: bpy.types.Object, modifier: bpy.types.Modifier) -> Iter
     for earlier in ob.modifiers:
         if earlier == modifier:
             return
-        if earlier.show_viewport or earlier.show_render:
+        if _is_on(earlier):
             yield earlier
 
 
@@ -62,7 +70,12 @@ def obstacle(ob: bpy.types.Object) -> str | None:
         if volume_modifier(ob) is not None:
             return "No Armature modifier right before Turgor Volume: move Turgor Volume directly below it"
         return "No Armature modifier: give the mesh one (Object > Parent > Armature Deform)"
-    return _armature_obstacle(ob, armature) or _rig_obstacle(ob, armature) or _earlier_obstacle(ob, armature)
+    return (
+        _armature_obstacle(ob, armature)
+        or _rig_obstacle(ob, armature)
+        or _earlier_obstacle(ob, armature)
+        or _later_obstacle(ob, armature)
+    )
 
 
 def render_difference(ob: bpy.types.Object) -> str | None:
@@ -72,10 +85,33 @@ def render_difference(ob: bpy.types.Object) -> str | None:
         return None
     for modifier in modifiers_before(ob, armature):
         if modifier.show_viewport != modifier.show_render:
-            return f"{modifier.name} is on in the viewport or in renders only: renders stay uncorrected"
-        if modifier.type == "SUBSURF" and modifier.levels != modifier.render_levels:
-            return f"{modifier.name} has other levels in renders: make them equal, or renders stay uncorrected"
+            return f"{modifier.name} is on in the viewport or in renders only: renders show plain skinning"
+        in_viewport, in_render = _detail(modifier)
+        if in_viewport != in_render:
+            return (
+                f"{modifier.name} has other levels in renders ({in_render}) than in the viewport ({in_viewport}):"
+                " make them equal, or renders show plain skinning"
+            )
+        if modifier.type == "NODES" and _has_node(modifier.node_group, VIEWPORT_NODES):
+            return f"{modifier.name} asks whether it is in the viewport: renders show plain skinning"
     return None
+
+
+def _detail(modifier: bpy.types.Modifier) -> tuple[int, int]:
+    """Levels or steps in the viewport and in renders, with the scene's Simplify."""
+    if modifier.type == "SCREW":
+        return modifier.steps, modifier.render_steps
+    if modifier.type not in {"SUBSURF", "MULTIRES"}:
+        return 0, 0
+    most_in_viewport, most_in_render = _most_levels()
+    return min(modifier.levels, most_in_viewport), min(modifier.render_levels, most_in_render)
+
+
+def _most_levels() -> tuple[int, int]:
+    render = bpy.context.scene.render
+    if not render.use_simplify:
+        return ANY_LEVEL, ANY_LEVEL
+    return render.simplify_subdivision, render.simplify_subdivision_render
 
 
 def _armature_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> str | None:
@@ -85,6 +121,8 @@ def _armature_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifie
         return f"{armature.name} uses Multi Modifier, which blends two armatures: turn it off"
     if armature.use_bone_envelopes or not armature.use_vertex_groups:
         return f"{armature.name} deforms by bone envelopes: use vertex groups only"
+    if _is_animated(ob, armature, but=_FOLLOWED):
+        return f"{armature.name} has animated settings: remove their keyframes and drivers"
     keys = ob.data.shape_keys
     if keys is not None and not keys.use_relative:
         return "Shape keys are absolute: make them Relative in the mesh's properties"
@@ -106,8 +144,8 @@ def _earlier_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier
     has_shape_keys = ob.data.shape_keys is not None
     for modifier in modifiers_before(ob, armature):
         if modifier.type == "ARMATURE":
-            return f"{modifier.name} deforms before {armature.name}: only one Armature is supported, merge them"
-        if modifier.type in MOVING_TYPES or (modifier.type == "NODES" and _moves(modifier.node_group)):
+            return f"{modifier.name} deforms before {armature.name}: only one Armature is supported, turn one off"
+        if modifier.type in MOVING_TYPES or _moves(modifier):
             return f"{modifier.name} can move the mesh before the Armature: move it after Turgor Volume"
         if _is_animated(ob, modifier):
             return f"{modifier.name} is animated before the Armature: move it after Turgor Volume"
@@ -116,15 +154,40 @@ def _earlier_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier
     return None
 
 
-def _moves(tree: bpy.types.NodeTree | None) -> bool:
+def _later_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> str | None:
+    for modifier in later_armatures(ob, armature):
+        return f"{modifier.name} deforms again after Turgor Volume: only one Armature is supported, turn one off"
+    return None
+
+
+def later_armatures(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> Iterator[bpy.types.ArmatureModifier]:
+    """Those after `armature` that are on in the viewport or in renders."""
+    modifiers = list(ob.modifiers)
+    for later in modifiers[modifiers.index(armature) + 1 :]:
+        if later.type == "ARMATURE" and _is_on(later):
+            yield later
+
+
+def _moves(modifier: bpy.types.Modifier) -> bool:
+    if modifier.type == "MASK":
+        return modifier.mode == "ARMATURE"
+    return modifier.type == "NODES" and _has_node(modifier.node_group, MOVING_NODES)
+
+
+def _has_node(tree: bpy.types.NodeTree | None, kinds: frozenset[str]) -> bool:
     if tree is None:
         return False
-    return any(node.bl_idname in MOVING_NODES or _moves(getattr(node, "node_tree", None)) for node in tree.nodes)
+    return any(node.bl_idname in kinds or _has_node(getattr(node, "node_tree", None), kinds) for node in tree.nodes)
 
 
-def _is_animated(ob: bpy.types.Object, modifier: bpy.types.Modifier) -> bool:
+# Switches of the Armature that our modifier follows by its drivers.
+_FOLLOWED = frozenset({"show_viewport", "show_render"})
+
+
+def _is_animated(ob: bpy.types.Object, modifier: bpy.types.Modifier, but: frozenset[str] = frozenset()) -> bool:
     prefix = f'modifiers["{bpy.utils.escape_identifier(modifier.name)}"]'
-    return any(path.startswith(prefix) for path in animated_paths(ob.animation_data))
+    paths = (path for path in animated_paths(ob.animation_data) if path.startswith(prefix))
+    return any(path.removeprefix(f"{prefix}.") not in but for path in paths)
 
 
 def animated_paths(animation: bpy.types.AnimData | None) -> Iterator[str]:
@@ -157,8 +220,10 @@ def signature(ob: bpy.types.Object) -> tuple[object, ...]:
     read: list[object] = [ob.data.session_uid, [group.name for group in ob.vertex_groups]]
     if armature is not None and armature.object is not None and armature.object.type == "ARMATURE":
         read += skeleton.signature(armature.object.data)
+        read += [(later.name, later.show_viewport, later.show_render) for later in later_armatures(ob, armature)]
     if keys is not None:
         read += [keys.use_relative, [(key.name, key.relative_key.name, key.vertex_group) for key in keys.key_blocks]]
+    read.append(_most_levels())
     for modifier in ob.modifiers:
         read.append(_settings(modifier))
         if modifier == armature:

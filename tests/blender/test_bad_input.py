@@ -59,6 +59,41 @@ def _bendy_bone(ob, rig):
     rig.data.bones["Bone1"].bbone_segments = 4
 
 
+def _envelopes_only(ob, rig):
+    ob.modifiers["Armature"].use_vertex_groups = False
+    ob.modifiers["Armature"].use_bone_envelopes = True
+
+
+def _multiplied_envelope(ob, rig):
+    rig.data.bones["Bone1"].use_envelope_multiply = True
+
+
+def _second_armature_before(ob, rig):
+    _second_armature_after(ob, rig)
+    ob.modifiers.move(len(ob.modifiers) - 1, 0)
+
+
+def _second_armature_after(ob, rig):
+    second = ob.modifiers.new("Second", "ARMATURE")
+    second.object, second.show_viewport = rig, False
+    return second
+
+
+def _second_armature_blends(ob, rig):
+    second = _second_armature_after(ob, rig)
+    second.show_viewport = second.use_multi_modifier = True
+
+
+def _animated_armature(ob, rig):
+    ob.keyframe_insert('modifiers["Armature"].use_deform_preserve_volume', frame=1)
+
+
+def _masked_by_selected_bones(ob, rig):
+    mask = ob.modifiers.new("Mask", "MASK")
+    mask.mode, mask.armature = "ARMATURE", rig
+    ob.modifiers.move(len(ob.modifiers) - 1, 0)
+
+
 def _moved_apart(ob, rig):
     ob.modifiers.new("Displace", "DISPLACE").strength = 0.0
     ob.modifiers.move(2, 1)
@@ -69,17 +104,29 @@ def _no_groups(ob, rig):
     ob.update_tag()
 
 
+UNSUPPORTED = [
+    (_bendy_bone, "bendy"),
+    (_multi_modifier, "Multi Modifier"),
+    (_envelopes, "envelopes"),
+    (_envelopes_only, "envelopes"),
+    (_multiplied_envelope, "envelope"),
+    (_second_armature_before, "only one Armature"),
+    (_second_armature_after, "only one Armature"),
+    (_second_armature_blends, "Second"),
+    (_animated_armature, "animated"),
+    (_masked_by_selected_bones, "Mask"),
+]
+
+
 @pytest.mark.parametrize(
     ("harm", "words"),
     [
         (_missing_armature, "armature"),
         (_not_a_number, "finite"),
         (_flat_object, "scale"),
-        (_multi_modifier, "Multi Modifier"),
-        (_envelopes, "envelopes"),
-        (_bendy_bone, "bendy"),
         (_moved_apart, "directly below"),
         (_no_groups, "vertex group"),
+        *UNSUPPORTED,
     ],
     ids=lambda value: getattr(value, "__name__", ""),
 )
@@ -92,6 +139,34 @@ def test_harm_is_said_once_and_the_mesh_stays_as_skinned(route, runtime, warning
     _check_message(ob, runtime, warnings_logged, words)
     live = positions(ob)
     assert np.array_equal(live, _plain(ob), equal_nan=True)
+
+
+@pytest.mark.parametrize(("harm", "words"), UNSUPPORTED, ids=lambda value: getattr(value, "__name__", ""))
+def test_what_is_not_supported_cannot_be_added_and_says_why(harm, words):
+    ob, rig = character()
+    harm(ob, rig)
+    bpy.context.view_layer.update()
+    modifiers = list(ob.modifiers)
+    select([ob])
+    with pytest.raises(RuntimeError, match=words):
+        bpy.ops.object.turgor_volume_add()
+    assert list(ob.modifiers) == modifiers
+
+
+# Without the last: Blender blends only Armature modifiers that follow each other, and ours then stands between.
+@pytest.mark.parametrize("harm", [harm for harm, _ in UNSUPPORTED if harm is not _second_armature_blends])
+def test_the_mesh_is_as_blender_shows_it_without_us(harm):
+    ob, rig = character()
+    harm(ob, rig)
+    bpy.context.scene.frame_set(FRAME)
+    expected = positions(ob)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    ob, rig = character()
+    add_turgor(ob)
+    harm(ob, rig)
+    bpy.context.view_layer.update()
+    bpy.context.scene.frame_set(FRAME)
+    assert (positions(ob) == expected).all()
 
 
 def test_healed_character_is_corrected_again(route, runtime):

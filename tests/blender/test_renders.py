@@ -71,6 +71,49 @@ def test_pixels_show_the_correction(route, scene, tmp_path):
         assert np.abs(corrected[index] - plain[index]).mean() > OTHER
 
 
+def _subdivided(ob, *, levels=1, render_levels=1):
+    modifier = ob.modifiers.new("Subdivision", "SUBSURF")
+    modifier.levels, modifier.render_levels = levels, render_levels
+
+
+def _other_levels(ob):
+    _subdivided(ob, render_levels=2)
+
+
+def _other_levels_by_simplify(ob):
+    _subdivided(ob, levels=2, render_levels=2)
+    bpy.context.scene.render.use_simplify, bpy.context.scene.render.simplify_subdivision = True, 1
+
+
+def _same_count_other_shape(ob):
+    modifier = ob.modifiers.new("Cast", "CAST")
+    modifier.factor, modifier.show_render = 0.3, False
+
+
+@pytest.mark.parametrize("add_modifier", [_other_levels, _other_levels_by_simplify, _same_count_other_shape])
+def test_another_mesh_in_renders_is_plain_skinning_and_said(route, scene, tmp_path, runtime, add_modifier):
+    ob = bpy.data.objects["Tube"]
+    add_modifier(ob)
+    ob.modifiers.move(1, 0)
+    plain = _animation(scene, tmp_path / "plain")
+    add_turgor(ob)
+    assert "plain skinning" in runtime.character(ob.session_uid).notes[0]
+    assert np.abs(_animation(scene, tmp_path / "rendered") - plain).mean() < SAME
+
+
+def test_renders_made_equal_again_are_corrected(route, scene, tmp_path, runtime):
+    ob = bpy.data.objects["Tube"]
+    _same_count_other_shape(ob)
+    ob.modifiers.move(1, 0)
+    add_turgor(ob)
+    ob.modifiers["Cast"].show_render = True
+    bpy.context.view_layer.update()
+    assert runtime.character(ob.session_uid).notes == ()
+    corrected = _animation(scene, tmp_path / "corrected")
+    set_strength(ob, 0.0)
+    assert np.abs(corrected - _animation(scene, tmp_path / "plain")).mean() > OTHER
+
+
 def test_armature_off_in_renders_only(route, scene, tmp_path):
     ob = bpy.data.objects["Tube"]
     add_turgor(ob)

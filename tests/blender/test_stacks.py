@@ -74,6 +74,26 @@ def test_other_subdivision_in_renders_is_said(runtime):
     assert runtime.character(ob.session_uid).notes == ()
 
 
+def test_simplify_is_followed(route, runtime):
+    ob, _ = character()
+    _insert_before_armature(ob, "SUBSURF", levels=2, render_levels=2)
+    rest = volume(ob)
+    add_turgor(ob)
+    render = bpy.context.scene.render
+    render.use_simplify, render.simplify_subdivision = True, 1
+    bpy.context.view_layer.update()
+    assert "Rebind" in runtime.character(ob.session_uid).problem
+    bpy.context.scene.frame_set(FRAME)
+    simplified = positions(ob)
+    set_strength(ob, 0.0)
+    bpy.context.view_layer.update()
+    assert (positions(ob) == simplified).all()
+    set_strength(ob, 1.0)
+    render.use_simplify = False
+    bpy.context.view_layer.update()
+    assert _worst(ob, rest) < VOLUME_TOLERANCE
+
+
 def test_mirror_before_the_armature(route):
     armature = rig()
     mesh = tube_mesh()
