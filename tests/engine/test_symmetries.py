@@ -12,6 +12,10 @@ seeds = st.integers(0, 2**32 - 1)
 modes = st.sampled_from(["linear", "dual_quaternion"])
 solvers = st.sampled_from(["simultaneous", "sequential"])
 
+# Of the tube's radius 0.5. Fields are single precision (what they add is measured in double): where sums are taken in
+# another order or at another place, displacements differ in their seventh digit.
+FIELD_DIGITS = 1e-6
+
 
 def muscles(rig: Rig) -> list[turgor.Joint]:
     return [turgor.presets.muscle(bone) for bone in range(rig.bone_count)]
@@ -25,7 +29,7 @@ def test_deform_commutes_with_rigid_motion_of_the_pose(seed: int, mode: Mode, so
     pose = rig.random_pose(rng, 1.0)
     move = random_rigid_motion(rng)
     moved = body.deform(move @ pose).positions
-    np.testing.assert_allclose(moved, applied(move, body.deform(pose).positions), atol=1e-9)
+    np.testing.assert_allclose(moved, applied(move, body.deform(pose).positions), atol=FIELD_DIGITS)
 
 
 @given(seeds, modes)
@@ -39,7 +43,7 @@ def test_deform_commutes_with_the_place_and_size_of_the_object(seed: int, mode: 
     body = placed.body(mode, muscles(rig), object_from_armature=object_from_armature)
     result = body.deform(pose, object_from_armature=object_from_armature)
     expected = applied(object_from_armature, rig.body(mode, muscles(rig)).deform(pose).positions)
-    np.testing.assert_allclose(result.positions, expected, atol=1e-9 * size)
+    np.testing.assert_allclose(result.positions, expected, atol=FIELD_DIGITS * size)
 
 
 @given(seeds, modes, solvers)
@@ -48,7 +52,7 @@ def test_reversed_faces_are_corrected_alike(seed: int, mode: Mode, solver):
     pose = rig.random_pose(np.random.default_rng(seed), 1.0)
     mirror = rig.with_surface(rig.surface.reversed())
     frame, reversed_frame = (one.body(mode, muscles(rig), solver=solver).deform(pose) for one in (rig, mirror))
-    np.testing.assert_allclose(reversed_frame.positions, frame.positions, atol=1e-12)
+    np.testing.assert_allclose(reversed_frame.positions, frame.positions, atol=FIELD_DIGITS)
     np.testing.assert_allclose(reversed_frame.report.target_volumes, -frame.report.target_volumes, rtol=1e-14)
 
 
@@ -80,4 +84,4 @@ def test_numbering_of_the_bones_does_not_matter(seed: int):
     parents = np.array([place[parent] if parent >= 0 else -1 for parent in rig.parents[order]], dtype=np.int32)
     renumbered = Rig(rig.surface, parents, rig.rest_matrices[order], place[rig.bones].astype(np.int32), rig.weights)
     result = renumbered.body().deform(pose[order]).positions
-    np.testing.assert_allclose(result, rig.body().deform(pose).positions, atol=1e-11)
+    np.testing.assert_allclose(result, rig.body().deform(pose).positions, atol=FIELD_DIGITS)

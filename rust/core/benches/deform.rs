@@ -64,7 +64,7 @@ fn character(rings: usize, segments: usize, bones: usize, mode: Mode) -> (Volume
     }
     let skeleton = Skeleton::new(&parents, &rest).expect("a chain");
     let skinning = Skinning::new(skeleton, &weight_offsets, &weight_bones, &weights, mode, None).expect("sound weights");
-    let body = VolumeSkin::bind(topology, &positions, &skinning, &[], Options::default(), &[], &DMat4::IDENTITY).expect("a character");
+    let body = VolumeSkin::bind(&topology, &positions, &skinning, &[], Options::default(), &[], &DMat4::IDENTITY).expect("a character");
     let mut motion = DAffine3::IDENTITY;
     let pose = heads
         .iter()

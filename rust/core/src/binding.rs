@@ -5,33 +5,35 @@ use glam::{DAffine3, DVec3};
 use crate::csr::Csr;
 use crate::error::{Error, Result};
 use crate::joint::Joint;
+use crate::lanes::{self, V4};
+use crate::motions::Motions;
+use crate::patches::{NO_SLOT, Patches};
 use crate::sites::Sites;
 use crate::skeleton::JointTree;
 use crate::skinning::{Influences, Skinning};
 use crate::supports::Supports;
-use crate::surface::Surface;
-use crate::topology::Topology;
+use crate::topology::{Component, Topology};
 use crate::volume::face_area_vector;
-use crate::volume_loss::{FaceGroups, LossPlan, Moment, Motions};
+use crate::volume_loss::{Anatomy, FaceJoints, LossPlan};
 
 /// A mesh bound to its weights.
 pub(crate) struct Binding {
-    pub topology: Topology,
-    /// Skinned sites; rest positions are about `rest_centre`.
+    pub components: Vec<Component>,
+    pub patches: Patches,
+    /// Per vertex; `NO_SLOT` for one of no sound component.
+    pub slot_of_vertex: Vec<u32>,
     pub sites: Sites,
     pub rest_centre: DVec3,
     /// Per shape key, displacement per site.
-    pub shape_deltas: Vec<Vec<DVec3>>,
+    pub shape_deltas: Vec<Vec<V4>>,
     /// Motions at rest, to be copied into workspaces.
     pub motions: Motions,
     pub plan: LossPlan,
-    pub surface: Surface,
-    /// Component of each group of the surface.
-    pub component_of_group: Vec<u32>,
-    pub rest_moments: Vec<Moment>,
-    /// 1 / rest area per point, armature space; 0 where the surface has none.
+    /// Mean rest area of a point, armature space: gradients are stored in units of it.
+    pub area_unit: f64,
+    /// `area_unit` / rest area per slot; 0 where the surface has none.
     pub inverse_areas: Vec<f32>,
-    /// Per joint and for the world, weight and weighted mean of the sites.
+    /// Per joint and for the world, weight and weighted mean of the vertices.
     pub masses: Vec<(f64, DVec3)>,
     /// Largest distance from the centre, armature space.
     pub size: f64,
@@ -41,7 +43,7 @@ pub(crate) struct Binding {
 
 impl Binding {
     pub fn new(
-        topology: Topology,
+        topology: &Topology,
         rest: &[DVec3],
         skinning: &Skinning,
         shape_deltas: &[Vec<DVec3>],
@@ -53,38 +55,38 @@ impl Binding {
         let in_armature: Vec<DVec3> = centred.iter().map(|&p| armature_from_rest.transform_point3(p)).collect();
         let tree = JointTree::new(&skinning.skeleton, &skinning.influences, &in_armature);
         let influences = on_joints(&skinning.influences, skinning.skeleton.len(), &tree);
-        let mut sites = Sites::new(&topology, &centred, influences, shape_deltas);
-        let mut deltas_of_sites = vec![vec![DVec3::ZERO; sites.len()]; shape_deltas.len()];
+        let face_joints = FaceJoints::new(topology, &bones_of_points(topology, &influences, tree.len()), &tree);
+        let points = topology.points(&in_armature);
+        let patches = Patches::new(topology, &face_joints.tops, &points);
+        let sites = Sites::new(topology, &patches, &centred, &influences, shape_deltas);
+        let mut deltas_of_sites = vec![vec![lanes::ZERO; sites.len()]; shape_deltas.len()];
         for (of_sites, of_vertices) in deltas_of_sites.iter_mut().zip(shape_deltas) {
-            for (vertex, &delta) in of_vertices.iter().enumerate() {
-                of_sites[sites.site_of_vertex(vertex)] = delta;
+            for (&site, &delta) in sites.site_of_vertex.iter().zip(of_vertices) {
+                of_sites[site as usize] = lanes::from(delta);
             }
         }
-        sites.influences.shrink();
-        let points: Vec<DVec3> = (0..topology.point_count).map(|point| sites.mean(point, |site| sites.rest[site])).collect();
-        let bones_of_point = bones_of_points(&topology, &sites, tree.len());
-        let groups = FaceGroups::new(&topology, &bones_of_point, &tree);
-        let plan = LossPlan::new(&topology, &groups, &bones_of_point, &tree, &points);
-        let faces: Vec<(u32, &[u32])> = groups.of_face.iter().copied().zip(topology.faces.rows()).collect();
-        let surface = Surface::new(&faces, groups.components.len(), &points);
-        let mut rest_moments = vec![(0.0, DVec3::ZERO); surface.group_count()];
-        surface.moments(&points, &mut rest_moments);
-        let in_armature: Vec<DVec3> = points.iter().map(|&p| armature_from_rest.transform_point3(p)).collect();
+        let rest_from_armature = armature_from_rest.inverse();
+        let mut heads: Vec<V4> = tree.heads.iter().map(|&head| lanes::from(rest_from_armature.transform_point3(head))).collect();
+        heads.push(lanes::ZERO);
+        let has_shapes = !shape_deltas.is_empty();
+        let anatomy = Anatomy { topology, patches: &patches, sites: &sites, joints: &face_joints, tree: &tree, heads: &heads };
+        let plan = LossPlan::new(&anatomy, skinning.mode, has_shapes);
+        let (area_unit, inverse_areas) = inverse_areas(topology, &patches, &points);
         let joint_rest = tree.bones.iter().map(|&bone| skinning.skeleton.rest()[bone as usize]).collect();
         Self {
-            masses: masses(&sites, tree.len()),
-            inverse_areas: inverse_areas(&topology, &in_armature),
+            components: topology.components.clone(),
+            slot_of_vertex: topology.point_of_vertex.iter().map(|&point| patches.slot_of_point[point as usize]).collect(),
+            masses: masses(&influences, &centred, tree.len()),
             size: in_armature.iter().map(|p| p.distance(armature_from_rest.translation)).fold(0.0, f64::max),
             motions: Motions::new(tree, joint_rest, skinning.mode),
             shape_deltas: deltas_of_sites,
-            component_of_group: groups.components,
             bone_count: skinning.skeleton.len(),
-            topology,
+            patches,
             sites,
             rest_centre,
             plan,
-            surface,
-            rest_moments,
+            area_unit,
+            inverse_areas,
             armature_from_rest,
         }
     }
@@ -105,26 +107,26 @@ impl Binding {
     }
 
     pub fn supports(&self, settings: &[Joint]) -> Supports {
-        let rest: Vec<DVec3> = self.sites.rest.iter().map(|&p| self.armature_from_rest.transform_point3(p)).collect();
-        Supports::new(&self.topology, &self.sites, &self.motions.tree, &self.plan.jobs, &rest, &self.inverse_areas, settings)
+        let rest: Vec<DVec3> = self.sites.rest.iter().map(|&p| self.armature_from_rest.transform_point3(lanes::to(p))).collect();
+        Supports::new(&self.patches, &self.sites, &self.motions.tree, &self.plan.jobs, &rest, &self.inverse_areas, settings)
     }
 
     /// Rest position per site with shape keys mixed in.
-    pub fn mix_shapes(&self, values: &[f64], rest: &mut [DVec3]) {
+    pub fn mix_shapes(&self, values: &[f64], rest: &mut [V4]) {
         rest.copy_from_slice(&self.sites.rest);
         for (&value, deltas) in values.iter().zip(&self.shape_deltas).filter(|(value, _)| **value != 0.0) {
             for (p, &delta) in rest.iter_mut().zip(deltas) {
-                *p += delta * value;
+                *p = lanes::add_scaled(*p, delta, value);
             }
         }
     }
 
     pub fn memory_bytes(&self) -> usize {
-        self.topology.memory_bytes()
+        self.patches.memory_bytes()
+            + size_of_val(&*self.slot_of_vertex)
             + self.sites.memory_bytes()
             + self.shape_deltas.iter().map(|d| size_of_val(&**d)).sum::<usize>()
             + self.plan.memory_bytes()
-            + self.surface.memory_bytes()
             + size_of_val(&*self.inverse_areas)
     }
 }
@@ -137,23 +139,23 @@ fn on_joints(influences: &Influences, world_bone: usize, tree: &JointTree) -> In
     }
     let mut renamed = influences.clone();
     for bone in &mut renamed.bones {
-        *bone = joint_of_bone[*bone as usize];
+        *bone = joint_of_bone[usize::from(*bone)];
     }
     renamed
 }
 
-/// Joints (and the world) that move each point of a sound component.
-fn bones_of_points(topology: &Topology, sites: &Sites, world: usize) -> Csr<u16> {
+/// Joints (and the world) that move each point.
+fn bones_of_points(topology: &Topology, influences: &Influences, world: usize) -> Csr<u16> {
     let mut result = Csr::default();
     let mut row = Vec::new();
-    for point in 0..topology.point_count {
+    for vertices in topology.vertices_of_point.rows() {
         row.clear();
-        sites.visit(point, |site, _| {
-            row.extend_from_slice(sites.influences.of(site).0);
-            if sites.influences.mask(site) < 1.0 {
+        for &vertex in vertices {
+            row.extend_from_slice(influences.of(vertex as usize).0);
+            if influences.mask(vertex as usize) < 1.0 {
                 row.push(world as u16);
             }
-        });
+        }
         row.sort_unstable();
         row.dedup();
         result.push_row(row.iter().copied());
@@ -161,12 +163,12 @@ fn bones_of_points(topology: &Topology, sites: &Sites, world: usize) -> Csr<u16>
     result
 }
 
-fn masses(sites: &Sites, world: usize) -> Vec<(f64, DVec3)> {
+fn masses(influences: &Influences, rest: &[DVec3], world: usize) -> Vec<(f64, DVec3)> {
     let mut sums = vec![(0.0, DVec3::ZERO); world + 1];
-    for (site, &p) in sites.rest.iter().enumerate() {
-        let (bones, weights) = sites.influences.of(site);
+    for (vertex, &p) in rest.iter().enumerate() {
+        let (bones, weights) = influences.of(vertex);
         for (&bone, &weight) in bones.iter().zip(weights) {
-            let sum = &mut sums[bone as usize];
+            let sum = &mut sums[usize::from(bone)];
             sum.0 += weight;
             sum.1 += p * weight;
         }
@@ -174,15 +176,20 @@ fn masses(sites: &Sites, world: usize) -> Vec<(f64, DVec3)> {
     sums.into_iter().map(|(mass, sum)| (mass, if mass > 0.0 { sum / mass } else { DVec3::ZERO })).collect()
 }
 
-/// A point's area is its part of the faces around it.
-fn inverse_areas(topology: &Topology, points: &[DVec3]) -> Vec<f32> {
-    let mut areas = vec![0.0; points.len()];
+/// A point's area is its part of the faces around it. Mean area, and it over the area of each slot.
+fn inverse_areas(topology: &Topology, patches: &Patches, points: &[DVec3]) -> (f64, Vec<f32>) {
+    let mut areas = vec![0.0; patches.slot_count()];
     for face in topology.faces.rows() {
         let part = face_area_vector(points, face).length() / face.len() as f64;
         for &point in face {
-            areas[point as usize] += part;
+            let slot = patches.slot_of_point[point as usize];
+            debug_assert_ne!(slot, NO_SLOT);
+            areas[slot as usize] += part;
         }
     }
-    let inverse = |area: f64| (1.0 / area) as f32;
-    areas.into_iter().map(|area| if area > 0.0 && inverse(area).is_finite() { inverse(area) } else { 0.0 }).collect()
+    let counted = areas.iter().filter(|area| **area > 0.0).count();
+    let unit = areas.iter().sum::<f64>() / counted.max(1) as f64;
+    let inverse = |area: f64| (unit / area) as f32;
+    let usable = |area: f64| area > 0.0 && inverse(area).is_finite();
+    (if unit > 0.0 { unit } else { 1.0 }, areas.into_iter().map(|area| if usable(area) { inverse(area) } else { 0.0 }).collect())
 }

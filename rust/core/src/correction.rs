@@ -2,9 +2,8 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::joint::{Joint, Shares};
-use crate::profile::{BELL_WIDTH, bell};
-use crate::volume_loss::Motions;
+use crate::joint::{Joint, Profiles, Shares};
+use crate::motions::Motions;
 
 /// Sine of the bend at which half of the volume follows the joint's frame, half needs none.
 const FRAME_BEND: f64 = 0.2;
@@ -18,14 +17,12 @@ const VICINITY_VOLUME: f64 = 0.1;
 /// How one joint's field lies in space in one frame.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct FieldFrame {
-    origin: DVec3,
+    pub origin: DVec3,
     /// e0, e1, e2.
-    axes: [DVec3; 3],
-    inverse_length: f64,
+    pub axes: [DVec3; 3],
+    pub inverse_length: f64,
     /// Part of the volume that goes along the axes.
     frame_part: f64,
-    /// Whether the joint shapes its field by the frame at all.
-    has_frame: bool,
     /// How far folds have set in, 0..1.
     folded: f64,
     displacement_max: f64,
@@ -49,7 +46,6 @@ impl FieldFrame {
         if settings.profiles.is_none() && settings.shares == Shares::Auto {
             return frame;
         }
-        frame.has_frame = true;
         if let Some((_, loss)) = settings.profiles.as_ref().and_then(|p| p.folded.as_ref()) {
             frame.folded = (volume.abs() / (loss * VICINITY_VOLUME * length.powi(3))).min(1.0);
         }
@@ -69,7 +65,7 @@ impl FieldFrame {
     /// Parts of the volume for e0, e1, e2 and the frame-free rest, each solved on the mesh so far.
     pub fn ordered_shares(&self, hold: &Hold, shares: Shares) -> [f64; 4] {
         let total: f64 = hold.along.iter().sum();
-        let part = if self.has_frame && total > 0.0 { self.frame_part } else { 0.0 };
+        let part = if total > 0.0 { self.frame_part } else { 0.0 };
         let axes = match shares {
             Shares::Axes(shares) => shares,
             Shares::Auto if total > 0.0 => hold.along.map(|a| a / total),
@@ -80,85 +76,64 @@ impl FieldFrame {
 
     /// The frame of one step of `ordered_shares`.
     pub fn for_step(&self, step: usize) -> Self {
-        Self { has_frame: step < 3, frame_part: if step < 3 { 1.0 } else { 0.0 }, ..*self }
+        Self { frame_part: if step < 3 { 1.0 } else { 0.0 }, ..*self }
     }
 
-    /// Heights of the joint's profile and of its bell at a point.
+    /// Whether any of the volume goes along the axes.
+    pub fn has_axes(&self) -> bool {
+        self.frame_part > 0.0
+    }
+
+    /// Height of the joint's profile at a point; the bell without one.
     #[inline]
-    pub fn gamma(&self, settings: &Joint, p: DVec3) -> (f32, f32) {
+    pub fn height(&self, profiles: &Profiles, p: DVec3) -> f64 {
         let x = (p - self.origin) * self.inverse_length;
-        let round = bell(x.length_squared() / (BELL_WIDTH * BELL_WIDTH));
-        if self.frame_part == 0.0 {
-            return (0.0, round as f32);
-        }
-        let Some(profiles) = &settings.profiles else { return (round as f32, round as f32) };
         let [a, b, c] = self.axes.map(|e| e.dot(x));
-        let mut height = profiles.axes[1].at(b) * profiles.axes[2].at(c);
-        if height > 0.0 {
-            let plain = profiles.axes[0].at(a);
-            height *= match &profiles.folded {
+        let height = profiles.axes[1].at(b) * profiles.axes[2].at(c);
+        if height <= 0.0 {
+            return 0.0;
+        }
+        let plain = profiles.axes[0].at(a);
+        height
+            * match &profiles.folded {
                 Some((folded, _)) => plain + (folded.at(a) - plain) * self.folded,
                 None => plain,
-            };
-        }
-        (height as f32, round as f32)
+            }
     }
 }
 
 /// What a field could do: per unit of coefficient, the volume it adds and the most it moves a point.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Hold {
-    along: [f64; 3],
-    bell: f64,
+    pub along: [f64; 3],
+    pub bell: f64,
     pub all: f64,
-    along_most: [f64; 3],
-    bell_most: f64,
-    all_most: f64,
+    pub along_most: [f64; 3],
+    pub bell_most: f64,
+    pub all_most: f64,
 }
 
 impl Hold {
-    /// Adds a point with gradient `g` and the joint's `weight` on it.
-    #[inline]
-    pub fn add(&mut self, frame: &FieldFrame, gamma: (f32, f32), weight: f32, g: DVec3) {
-        let weight = f64::from(weight);
-        let square = g.length_squared();
-        let most = weight * square.sqrt();
-        let round = f64::from(gamma.1);
-        self.all += weight * square;
-        self.all_most = self.all_most.max(most);
-        self.bell += weight * round * square;
-        self.bell_most = self.bell_most.max(most * round);
-        if gamma.0 > 0.0 {
-            let shaped = weight * f64::from(gamma.0);
-            for axis in 0..3 {
-                let slope = frame.axes[axis].dot(g);
-                self.along[axis] += shaped * slope * slope;
-                self.along_most[axis] = self.along_most[axis].max(shaped * slope.abs());
-            }
-        }
-    }
-
-    /// Adds another part of the same field.
-    pub fn join(&mut self, other: &Self) {
+    /// Adds another part of the same field, whose sums are in units of `unit`.
+    pub fn join(&mut self, other: &Self, unit: f64) {
         for axis in 0..3 {
-            self.along[axis] += other.along[axis];
+            self.along[axis] += other.along[axis] * unit;
             self.along_most[axis] = self.along_most[axis].max(other.along_most[axis]);
         }
-        self.bell += other.bell;
-        self.all += other.all;
+        self.bell += other.bell * unit;
+        self.all += other.all * unit;
         self.bell_most = self.bell_most.max(other.bell_most);
         self.all_most = self.all_most.max(other.all_most);
     }
 }
 
-/// A joint's field in one component, ready to be applied: displacement = weight · matrix · gradient.
+/// A joint's field in one component, ready to be applied: displacement = matrix · gradient, by the heights of
+/// the profile, the bell, and the whole vicinity.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Field {
-    shaped: DMat3,
-    bell: f64,
-    all: f64,
-    /// Per unit of the residual, the same field.
-    pub residual: f64,
+    pub shaped: DMat3,
+    pub bell: f64,
+    pub all: f64,
     /// Volume the field adds, to first order.
     pub volume: f64,
     /// Bound on the displacement.
@@ -177,7 +152,7 @@ impl Field {
         let most = frame.displacement_max;
         let trust = |part: f64, whole: f64| part * part / (part * part + (HOLD_MIN * whole).powi(2));
         let total: f64 = hold.along.iter().sum();
-        if frame.has_frame && total > 0.0 {
+        if frame.frame_part > 0.0 && total > 0.0 {
             let wanted = volume * frame.frame_part * trust(total, hold.all);
             let alpha = match shares {
                 Shares::Auto => [wanted / total; 3],
@@ -201,8 +176,7 @@ impl Field {
             }
         }
         if hold.bell > 0.0 {
-            let free = if frame.has_frame { 1.0 - frame.frame_part } else { 1.0 };
-            let wanted = volume * free * trust(hold.bell, hold.all);
+            let wanted = volume * (1.0 - frame.frame_part) * trust(hold.bell, hold.all);
             let bound = (wanted / hold.bell * hold.bell_most).abs();
             let kept = part_within(most, bound);
             field.is_capped |= kept < 1.0;
@@ -217,16 +191,6 @@ impl Field {
         field.all = kept * wanted / hold.all;
         field.volume += kept * wanted;
         field
-    }
-
-    /// Displacement of a point with gradient `g`.
-    #[inline]
-    pub fn displacement_at(&self, gamma: (f32, f32), weight: f32, g: DVec3) -> DVec3 {
-        let mut u = g * (self.bell * f64::from(gamma.1) + self.all);
-        if gamma.0 > 0.0 {
-            u += self.shaped * g * f64::from(gamma.0);
-        }
-        u * f64::from(weight)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Compressed rows: a list of lists in two arrays.
 
 /// Rows of values; row `i` is `values[offsets[i]..offsets[i + 1]]`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Csr<T> {
     offsets: Vec<u32>,
     values: Vec<T>,
@@ -41,13 +41,17 @@ impl<T: Copy> Csr<T> {
     /// Values of one row.
     #[inline]
     pub fn row(&self, index: usize) -> &[T] {
-        &self.values[self.range(index)]
+        &self.values[self.offsets[index] as usize..self.offsets[index + 1] as usize]
     }
 
-    /// Where a row lies in `values`.
-    #[inline]
-    pub fn range(&self, index: usize) -> std::ops::Range<usize> {
-        self.offsets[index] as usize..self.offsets[index + 1] as usize
+    /// Values of some rows.
+    pub fn rows_mut(&mut self, rows: std::ops::Range<usize>) -> &mut [T] {
+        &mut self.values[self.offsets[rows.start] as usize..self.offsets[rows.end] as usize]
+    }
+
+    /// Per row and one past the last: where it starts in `values`.
+    pub fn offsets(&self) -> &[u32] {
+        &self.offsets
     }
 
     /// All rows in order.

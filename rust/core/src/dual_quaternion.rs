@@ -1,22 +1,25 @@
 //! Dual quaternions as Blender's Armature modifier makes and blends them, scale included.
 
-use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
+
+use crate::lanes::{self, V4, add, add_scaled, cross, mul, scale};
 
 /// How far a matrix may be from orthonormal before its scale is split off.
 const ORTHONORMAL_TOLERANCE: f64 = 1e-5;
 /// How far axis lengths may be from 1, squared, before the scale is split off.
 const SCALE_TOLERANCE_SQUARED: f64 = 1e-8;
 
-/// Rotation and translation of one bone, with its scale apart. Components are (w, x, y, z).
+/// Rotation, and translation with the scale's share of it, of one bone. Quaternions are (x, y, z, w).
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct DualQuaternion {
-    rotation: DVec4,
-    translation: DVec4,
-    scale: Option<DAffine3>,
+    pub rotation: V4,
+    /// Dual part at the point 0, and its slopes along x, y, z: 0 unless there is scale.
+    dual: [V4; 4],
+    has_scale: bool,
 }
 
 impl DualQuaternion {
-    pub const IDENTITY: Self = Self { rotation: DVec4::X, translation: DVec4::ZERO, scale: None };
+    pub const IDENTITY: Self = Self { rotation: [0.0, 0.0, 0.0, 1.0], dual: [lanes::ZERO; 4], has_scale: false };
 
     /// The motion `channel` (pose · rest⁻¹) of a bone that rests at `rest`.
     pub fn new(rest: &DAffine3, channel: &DAffine3) -> Self {
@@ -26,28 +29,62 @@ impl DualQuaternion {
             || channel.matrix3.determinant() < 0.0
             || (lengths - 1.0).length_squared() > SCALE_TOLERANCE_SQUARED;
         if !has_scale || rest.matrix3.determinant() == 0.0 {
-            return Self::rigid(rotation_of(&channel.matrix3), channel.translation, None);
+            return Self::rigid(rotation_of(&channel.matrix3), channel.translation);
         }
         let rotation = DMat3::from_quat(rotation_of(&orthogonalised_by_y(&posed.matrix3)));
         let rotated = DAffine3 { matrix3: rotation, translation: posed.translation };
         let rest_inverse = rest.inverse();
         let rigid = rotated * rest_inverse;
         let scale = *rest * (rotated.inverse() * posed) * rest_inverse;
-        Self::rigid(rotation_of(&rigid.matrix3), rigid.translation, Some(scale))
+        let mut result = Self::rigid(rotation_of(&rigid.matrix3), rigid.translation);
+        // A point is first moved by the scale: a translation of its own, before the rotation.
+        let [x, y, z, w] = result.rotation;
+        let v = DVec3::new(x, y, z);
+        let shifted = |shift: DVec3| {
+            let vector = 0.5 * (shift * w + v.cross(shift));
+            [vector.x, vector.y, vector.z, -0.5 * v.dot(shift)]
+        };
+        result.dual[0] = add(result.dual[0], shifted(scale.translation));
+        result.dual[1] = shifted(scale.matrix3.x_axis - DVec3::X);
+        result.dual[2] = shifted(scale.matrix3.y_axis - DVec3::Y);
+        result.dual[3] = shifted(scale.matrix3.z_axis - DVec3::Z);
+        result.has_scale = true;
+        result
     }
 
-    fn rigid(q: DQuat, t: DVec3, scale: Option<DAffine3>) -> Self {
+    fn rigid(q: DQuat, t: DVec3) -> Self {
         let v = DVec3::new(q.x, q.y, q.z);
         let vector = 0.5 * (t * q.w + t.cross(v));
-        Self { rotation: DVec4::new(q.w, q.x, q.y, q.z), translation: DVec4::new(-0.5 * t.dot(v), vector.x, vector.y, vector.z), scale }
+        Self {
+            rotation: [q.x, q.y, q.z, q.w],
+            dual: [[vector.x, vector.y, vector.z, -0.5 * t.dot(v)], lanes::ZERO, lanes::ZERO, lanes::ZERO],
+            has_scale: false,
+        }
+    }
+
+    /// The same motion with its rotation in the half space of `reference`: differences along a chain are then small.
+    pub fn aligned_with(self, reference: &Self) -> Self {
+        if lanes::sum(mul(self.rotation, reference.rotation)) >= 0.0 {
+            return self;
+        }
+        Self { rotation: scale(self.rotation, -1.0), dual: self.dual.map(|part| scale(part, -1.0)), ..self }
+    }
+
+    /// Dual part at a point.
+    #[inline(always)]
+    pub fn dual_at(&self, p: V4) -> V4 {
+        if !self.has_scale {
+            return self.dual[0];
+        }
+        let slopes = add_scaled(add_scaled(scale(self.dual[1], p[0]), self.dual[2], p[1]), self.dual[3], p[2]);
+        add(self.dual[0], slopes)
     }
 
     /// The affine map this dual quaternion is when alone.
     pub fn to_affine(self) -> DAffine3 {
         let map = |p: DVec3| {
-            let mut blend = Blend::default();
-            blend.add(&self, 1.0, p);
-            blend.transform(p)
+            let p = lanes::from(p);
+            lanes::to(transform(self.rotation, self.dual_at(p), p))
         };
         let origin = map(DVec3::ZERO);
         DAffine3 { matrix3: DMat3::from_cols(map(DVec3::X) - origin, map(DVec3::Y) - origin, map(DVec3::Z) - origin), translation: origin }
@@ -55,42 +92,47 @@ impl DualQuaternion {
 }
 
 /// A weighted sum of dual quaternions at one vertex.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Blend {
-    rotation: DVec4,
-    translation: DVec4,
+    rotation: V4,
+    dual: V4,
 }
 
 impl Blend {
+    pub const NONE: Self = Self { rotation: lanes::ZERO, dual: lanes::ZERO };
+
     /// Adds one bone; its sign is chosen against the sum so far, so the order of bones matters as in Blender.
-    #[inline]
-    pub fn add(&mut self, bone: &DualQuaternion, weight: f64, p: DVec3) {
-        let mut dual = bone.translation;
-        if let Some(scale) = &bone.scale {
-            // The pivot's shift under the bone's scale, as a translation before the rotation.
-            let shift = scale.transform_point3(p) - p;
-            let (w, v) = (bone.rotation.x, DVec3::new(bone.rotation.y, bone.rotation.z, bone.rotation.w));
-            let vector = 0.5 * (shift * w + v.cross(shift));
-            dual += DVec4::new(-0.5 * v.dot(shift), vector.x, vector.y, vector.z);
-        }
-        let signed = if bone.rotation.dot(self.rotation) < 0.0 { -weight } else { weight };
-        self.rotation += bone.rotation * signed;
-        self.translation += dual * signed;
+    #[inline(always)]
+    pub fn add(&mut self, bone: &DualQuaternion, weight: f64, p: V4) {
+        let signed = if lanes::sum(mul(bone.rotation, self.rotation)) < 0.0 { -weight } else { weight };
+        self.rotation = add_scaled(self.rotation, bone.rotation, signed);
+        self.dual = add_scaled(self.dual, bone.dual_at(p), signed);
     }
 
-    /// The blended motion of a point. A blend without rotation leaves it in place.
-    #[inline]
-    pub fn transform(&self, p: DVec3) -> DVec3 {
-        let length_squared = self.rotation.length_squared();
-        if length_squared == 0.0 {
-            return p;
-        }
-        let (w, v) = (self.rotation.x, DVec3::new(self.rotation.y, self.rotation.z, self.rotation.w));
-        let (t0, t) = (self.translation.x, DVec3::new(self.translation.y, self.translation.z, self.translation.w));
-        let rotated = p * (w * w - v.length_squared()) + 2.0 * (v * v.dot(p) + v.cross(p) * w);
-        let moved = 2.0 * (t * w - v * t0 + v.cross(t));
-        (rotated + moved) / length_squared
+    /// The blended motion of a point.
+    #[inline(always)]
+    pub fn transform(&self, p: V4) -> V4 {
+        transform(self.rotation, self.dual, p)
     }
+}
+
+/// Motion of a point by a dual quaternion of any length. One without rotation leaves the point in place.
+#[inline(always)]
+pub(crate) fn transform(rotation: V4, dual: V4, p: V4) -> V4 {
+    let squares = mul(rotation, rotation);
+    let vector_squared = (squares[0] + squares[1]) + squares[2];
+    let length_squared = vector_squared + squares[3];
+    if length_squared == 0.0 {
+        return p;
+    }
+    let (w, v) = (rotation[3], [rotation[0], rotation[1], rotation[2], 0.0]);
+    let (t0, t) = (dual[3], [dual[0], dual[1], dual[2], 0.0]);
+    // (w² − v²) p + 2 (v·p) v + 2 w v×p + 2 (w t − t0 v + v×t), all over the squared length.
+    let along = lanes::sum(mul(v, p));
+    let turned = add(scale(v, along - t0), scale(add(t, cross(v, p)), w));
+    let moved = add(turned, cross(v, t));
+    let result = add_scaled(scale(p, squares[3] - vector_squared), moved, 2.0);
+    scale(result, 1.0 / length_squared)
 }
 
 fn is_orthonormal(m: &DMat3) -> bool {

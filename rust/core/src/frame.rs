@@ -1,25 +1,32 @@
 //! One frame: pose, skin, losses, fields, residual. Buffers are made once; nothing is allocated and nothing is remembered.
 
 use glam::{DAffine3, DMat4, DVec3};
-use rayon::prelude::*;
+use multiversion::multiversion;
 
 use crate::binding::Binding;
 use crate::correction::{Field, FieldFrame, Hold};
 use crate::error::{Error, Result};
+use crate::fields::{self, Row};
 use crate::joint::{Joint, Shares};
+use crate::lanes::{self, V4, add};
+use crate::motions::Motions;
+use crate::patches::{PATCH_POINTS, Patch, Patches};
 use crate::report::Report;
-use crate::skinning::{CHUNK, check_object, check_pose};
+use crate::skinning::{check_object, check_pose};
+use crate::split::{Ragged, for_each_piece};
+use crate::stages::{StageBuffers, Staged, Stages, giant_moment, giant_volume};
 use crate::supports::Supports;
-use crate::surface::SurfaceBuffers;
+use crate::sweeps::{self, Buffer, GRADIENT_PARTS, mean_and_cross, polygon_cubic, polygon_gradient};
 use crate::volume::VolumeCubic;
-use crate::volume_loss::{Change, Moment, Motions};
+use crate::volume_forms::FormBuffers;
+use crate::volume_loss::{Change, Deforming, Moment};
 
-/// Relative error at which residual steps end.
-const RESIDUAL_DONE: f64 = 1e-13;
-/// The first step is exact to rounding unless fields are as large as the mesh.
-const RESIDUAL_STEPS: usize = 3;
+/// A component this near its target, relatively, has it: what is left is rounding.
+const RESIDUAL_DONE: f64 = 1e-14;
 /// Losses below this part of a component's volume share a residual with the whole shell instead of taking all of it.
 const LOSS_FLOOR: f64 = 1e-3;
+/// A residual field that must be scaled beyond this has lost its meaning; the whole shell then takes the residual.
+const RESIDUAL_STEP_MAX: f64 = 1.0;
 
 /// One frame's input.
 #[derive(Debug, Clone, Copy)]
@@ -43,32 +50,54 @@ impl<'a> Pose<'a> {
     }
 }
 
+/// Three coordinates of all slots.
+type Coordinates = [Vec<f32>; 3];
+
 /// Buffers of one frame.
 #[derive(Debug, Clone)]
 pub struct Workspace {
     pub(crate) motions: Motions,
     pub(crate) object: DAffine3,
     channels: Vec<DAffine3>,
-    rest: Vec<DVec3>,
-    moments: Vec<Moment>,
-    group_moments: Vec<Moment>,
-    group_volumes: Vec<f64>,
-    group_cubics: Vec<VolumeCubic>,
-    component_cubics: Vec<VolumeCubic>,
-    /// Skinned; empty where sites and points are the same.
-    sites: Vec<DVec3>,
-    /// Skinned.
-    pub(crate) points: Vec<DVec3>,
-    gradient: Vec<DVec3>,
-    pub(crate) corrected: Vec<DVec3>,
-    residual: Vec<DVec3>,
-    surface: SurfaceBuffers,
-    fringe: Vec<Change>,
+    /// Per site, with shape keys mixed in; empty without shape keys.
+    rest: Vec<V4>,
+    body_moments: Vec<Moment>,
+    job_moments: Vec<Moment>,
     changes: Vec<Change>,
+    forms: Option<FormBuffers>,
+    stage_changes: Vec<Change>,
+    giant_room: Vec<V4>,
+    /// Per slot, about the palette's origin.
+    skinned: Vec<V4>,
+    places: Coordinates,
+    /// In units of the mean area.
+    gradient: Coordinates,
+    /// What the fields add, and what a unit of the residual adds.
+    moved: Coordinates,
+    residual: Coordinates,
+    /// Corrected − skinned, object space.
+    pub(crate) displacements: Vec<[f32; 3]>,
+    /// Gradients as sweeps leave them, per local point of patches and corner of giants.
+    sources: Vec<V4>,
+    /// Weight times bell, and times profile, as in `Supports::weights`.
+    heights: Vec<f32>,
+    profiled: Vec<f32>,
+    holds: Vec<Hold>,
+    patches: Vec<PatchSums>,
+    giant_volumes: Vec<f64>,
     jobs: Vec<JobState>,
     components: Vec<ComponentState>,
-    chunks: Vec<ChunkBuffers>,
     pub(crate) report: Report,
+}
+
+/// What the sweeps find in one patch.
+#[derive(Debug, Clone, Copy, Default)]
+struct PatchSums {
+    volume: f64,
+    cubic: VolumeCubic,
+    wide_hold: f64,
+    gap_squared: f64,
+    largest_squared: f64,
 }
 
 /// One joint in one component, in one frame.
@@ -92,83 +121,76 @@ struct ComponentState {
     skinned: f64,
     target: f64,
     corrected: f64,
+    cubic: VolumeCubic,
     /// Σ |volume to give back| over joints, and the floor under it.
     spread: f64,
     floor: f64,
-    /// Volume for the field of the whole shell, its hold, its coefficient, and that per unit of the residual.
+    /// Volume for the field of the whole shell, its hold, its coefficient, and that of the residual's field.
     wide: f64,
     wide_hold: f64,
     wide_field: f64,
     wide_residual: f64,
-    /// Step along the residual field.
+    /// Whether the residual is left to the whole shell.
+    is_wide_only: bool,
+    /// Step along the residual's field.
     step: f64,
 }
 
-/// What one chunk of points needs for itself.
-#[derive(Debug, Clone, Default)]
-struct ChunkBuffers {
-    holds: Vec<Hold>,
-    gammas: Vec<(f32, f32)>,
-    wide_holds: Vec<f64>,
-    largest_squared: f64,
-}
-
 impl Workspace {
-    pub(crate) fn new(binding: &Binding, supports: &Supports) -> Self {
-        let points = binding.topology.point_count;
-        let groups = binding.surface.group_count();
+    pub(crate) fn new(binding: &Binding, supports: &Supports, settings: &[Joint]) -> Self {
+        let slots = binding.patches.slot_count();
         let jobs = binding.plan.jobs.len();
-        let chunks = (0..points.div_ceil(CHUNK)).map(|chunk| {
-            let gammas = (chunk * CHUNK..((chunk + 1) * CHUNK).min(points)).map(|p| supports.holds.row(p).len()).sum();
-            ChunkBuffers {
-                holds: vec![Hold::default(); supports.jobs_of_chunk.row(chunk).len()],
-                gammas: vec![(0.0, 0.0); gammas],
-                wide_holds: vec![0.0; supports.components_of_chunk.row(chunk).len()],
-                largest_squared: 0.0,
-            }
-        });
+        let coordinates = || std::array::from_fn(|_| vec![0.0; slots]);
+        let (forms, stage_changes) = match &binding.plan.deforming {
+            Deforming::Forms(forms) => (Some(forms.buffers()), Vec::new()),
+            Deforming::Stages(stages) => (None, vec![Change::default(); stages.change_count()]),
+        };
+        let giants = &binding.patches.giants;
+        let giant_points = giants.iter().map(|g| g.corners.len()).max().unwrap_or(0);
+        let has_profiles = settings.iter().any(|joint| joint.profiles.is_some());
         let mut workspace = Self {
             motions: binding.motions.clone(),
             object: DAffine3::IDENTITY,
             channels: vec![DAffine3::IDENTITY; binding.bone_count],
             rest: if binding.shape_deltas.is_empty() { Vec::new() } else { binding.sites.rest.clone() },
-            moments: vec![(0.0, DVec3::ZERO); jobs],
-            group_moments: binding.rest_moments.clone(),
-            group_volumes: vec![0.0; groups],
-            group_cubics: vec![VolumeCubic::default(); groups],
-            component_cubics: vec![VolumeCubic::default(); binding.topology.components.len()],
-            sites: if binding.sites.is_identity() { Vec::new() } else { vec![DVec3::ZERO; binding.sites.len()] },
-            points: vec![DVec3::ZERO; points],
-            gradient: vec![DVec3::ZERO; points],
-            corrected: vec![DVec3::ZERO; points],
-            residual: vec![DVec3::ZERO; points],
-            surface: binding.surface.buffers(),
-            fringe: vec![Change::default(); binding.plan.fringe_len()],
+            body_moments: binding.plan.bodies.rest_moments.clone(),
+            job_moments: vec![(0.0, DVec3::ZERO); jobs],
             changes: vec![Change::default(); jobs],
+            forms,
+            stage_changes,
+            giant_room: vec![lanes::ZERO; 5 * giant_points],
+            skinned: vec![lanes::ZERO; slots],
+            places: coordinates(),
+            gradient: coordinates(),
+            moved: coordinates(),
+            residual: coordinates(),
+            displacements: vec![[0.0; 3]; slots],
+            sources: vec![lanes::ZERO; binding.patches.source_count()],
+            heights: vec![0.0; supports.weights.len()],
+            profiled: vec![0.0; if has_profiles { supports.weights.len() } else { 0 }],
+            holds: vec![Hold::default(); supports.jobs_of_patch.values().len()],
+            patches: vec![PatchSums::default(); binding.patches.list.len()],
+            giant_volumes: vec![0.0; giants.len()],
             jobs: vec![JobState::default(); jobs],
-            components: vec![ComponentState::default(); binding.topology.components.len()],
-            chunks: chunks.collect(),
-            report: Report::new(binding.topology.components.len(), binding.motions.tree.len()),
+            components: vec![ComponentState::default(); binding.components.len()],
+            report: Report::new(binding.components.len(), binding.motions.tree.len()),
         };
-        binding.plan.rigid_moments(&binding.rest_moments, &mut workspace.moments);
+        binding.plan.bodies.rigid_moments(&workspace.body_moments, &mut workspace.job_moments);
         workspace
     }
 
     /// Heap memory that grows with the mesh.
     pub fn memory_bytes(&self) -> usize {
-        let vectors = [&self.rest, &self.sites, &self.points, &self.gradient, &self.corrected, &self.residual];
-        vectors.iter().map(|v| size_of_val(&***v)).sum::<usize>()
-            + self.surface.memory_bytes()
-            + self.chunks.iter().map(|c| size_of_val(&*c.holds) + size_of_val(&*c.gammas)).sum::<usize>()
-    }
-
-    /// Skinned positions per site, about the palette's origin.
-    pub(crate) fn skinned_sites(&self) -> &[DVec3] {
-        if self.sites.is_empty() { &self.points } else { &self.sites }
-    }
-
-    fn rest<'a>(&'a self, binding: &'a Binding) -> &'a [DVec3] {
-        if self.rest.is_empty() { &binding.sites.rest } else { &self.rest }
+        let coordinates = [&self.places, &self.gradient, &self.moved, &self.residual];
+        let vectors = [&self.rest, &self.giant_room, &self.skinned, &self.sources];
+        coordinates.iter().flat_map(|c| c.iter()).map(|c| size_of_val(&**c)).sum::<usize>()
+            + vectors.iter().map(|v| size_of_val(&***v)).sum::<usize>()
+            + size_of_val(&*self.displacements)
+            + size_of_val(&*self.heights)
+            + size_of_val(&*self.profiled)
+            + size_of_val(&*self.holds)
+            + size_of_val(&*self.patches)
+            + size_of_val(&*self.stage_changes)
     }
 
     /// Checks and takes a pose.
@@ -208,53 +230,61 @@ impl Workspace {
         self.motions.set(&self.channels, armature_from_rest, origin, binding.size, keep_bone_scale);
         if !self.rest.is_empty() {
             binding.mix_shapes(pose.shape_values, &mut self.rest);
-            let rest = &self.rest;
-            let sites = &binding.sites;
-            self.points.iter_mut().enumerate().for_each(|(point, p)| *p = sites.mean(point, |site| rest[site]));
-            binding.surface.moments(&self.points, &mut self.group_moments);
-            binding.plan.rigid_moments(&self.group_moments, &mut self.moments);
         }
         Ok(())
     }
 
-    /// Blend skinning of sites and points.
+    /// Skins all points; volume and gradient of the skinned surface.
     pub(crate) fn skin(&mut self, binding: &Binding) {
-        let sites = &binding.sites;
-        let rest = if self.rest.is_empty() { &sites.rest } else { &self.rest };
-        if sites.is_identity() {
-            self.motions.palette.skin_all(&sites.influences, rest, &mut self.points);
-            return;
-        }
-        self.motions.palette.skin_all(&sites.influences, rest, &mut self.sites);
-        let skinned = &self.sites;
-        self.points.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, points)| {
-            for (i, p) in points.iter_mut().enumerate() {
-                *p = sites.mean(chunk * CHUNK + i, |site| skinned[site]);
-            }
-        });
+        let patches = &binding.patches;
+        let rest = if self.rest.is_empty() { &binding.sites.rest } else { &self.rest };
+        let motions = &self.motions;
+        let (sources, giant_sources) = self.sources.split_at_mut(patches.patch_source_count());
+        for_each_piece(
+            patches.list.len(),
+            (
+                Ragged::new(&mut self.skinned, &patches.slot_offsets),
+                ragged(&mut self.places, &patches.slot_offsets),
+                ragged(&mut self.gradient, &patches.slot_offsets),
+                Ragged::new(sources, &patches.source_offsets),
+                &mut *self.patches,
+            ),
+            &|index, (skinned, places, gradient, sources, sums)| {
+                let skinner = Skinner { binding, motions, rest, index };
+                let (places, gradient) = (places.map(|row| row.values), gradient.map(|row| row.values));
+                skin_patch(skinner, skinned.values, places, gradient, sources.values, &mut sums[0]);
+            },
+        );
+        sweep_giants(binding, &mut self.giant_volumes, giant_sources, |slot| self.skinned[slot]);
     }
 
     /// Losses, targets, and the volume each job is to give back.
     pub(crate) fn measure(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pose: &Pose) {
-        let mut fringe = std::mem::take(&mut self.fringe);
-        let mut changes = std::mem::take(&mut self.changes);
-        binding.plan.measure(&self.motions, &binding.sites, self.rest(binding), &self.moments, &mut fringe, &mut changes);
-        (self.fringe, self.changes) = (fringe, changes);
-        binding.surface.volumes_and_gradient(&self.points, &mut self.surface, &mut self.group_volumes);
+        if let Deforming::Stages(stages) = &binding.plan.deforming {
+            self.measure_stages(binding, stages);
+        }
+        binding.plan.carry(&self.motions, &self.job_moments, &mut self.changes);
+        match (&binding.plan.deforming, &mut self.forms) {
+            (Deforming::Forms(forms), Some(buffers)) => forms.measure(&self.motions, buffers, &mut self.changes),
+            (Deforming::Stages(stages), _) => stages.gather(&self.stage_changes, &mut self.changes),
+            _ => {}
+        }
         self.components.fill(ComponentState::default());
         // Moments are about the rest mesh in object space.
         let armature_from_object = self.object.matrix3.determinant().recip();
-        for (group, &component) in binding.component_of_group.iter().enumerate() {
-            let state = &mut self.components[component as usize];
-            state.rest += self.group_moments[group].0 * armature_from_object;
-            state.skinned += self.group_volumes[group];
+        for (moment, &component) in self.body_moments.iter().zip(&binding.plan.bodies.components) {
+            self.components[component as usize].rest += moment.0 * armature_from_object;
+        }
+        for (patch, sums) in binding.patches.list.iter().zip(&self.patches) {
+            self.components[patch.component as usize].skinned += sums.volume;
+        }
+        for (giant, volume) in binding.patches.giants.iter().zip(&self.giant_volumes) {
+            self.components[giant.component as usize].skinned += volume;
         }
         for state in &mut self.components {
             state.target = state.rest;
         }
-        for job in &mut self.jobs {
-            *job = JobState::default();
-        }
+        self.jobs.fill(JobState::default());
         for (index, (job, change)) in binding.plan.jobs.iter().zip(&self.changes).enumerate() {
             let joint = job.joint as usize;
             let strength = pose.strengths.map_or(settings[joint].strength, |s| s[binding.motions.tree.bones[joint] as usize]);
@@ -283,6 +313,39 @@ impl Workspace {
         }
     }
 
+    fn measure_stages(&mut self, binding: &Binding, stages: &Stages) {
+        let patches = &binding.patches;
+        let (motions, sums, sites) = (&self.motions, &self.patches, &binding.sites);
+        let has_shapes = !self.rest.is_empty();
+        let rest = if has_shapes { &self.rest } else { &sites.rest };
+        let count = patches.list.len();
+        let (offsets, giant_offsets) = (&stages.change_offsets()[..=count], &stages.change_offsets()[count..]);
+        let (changes, giant_changes) = self.stage_changes.split_at_mut(offsets[count] as usize);
+        let (moments, giant_moments) = self.body_moments.split_at_mut(count);
+        for_each_piece(count, (Ragged::new(changes, offsets), moments), &|index, (changes, moment)| {
+            let skinner = Skinner { binding, motions, rest, index };
+            stage_patch(skinner, stages, has_shapes, sums[index].volume, changes.values, &mut moment[0]);
+        });
+        for (index, (giant, moment)) in patches.giants.iter().zip(giant_moments).enumerate() {
+            let fifth = self.giant_room.len() / 5;
+            let (places, room) = self.giant_room.split_at_mut(fifth);
+            if has_shapes {
+                let places = &mut places[..giant.corners.len()];
+                for (p, &slot) in places.iter_mut().zip(&giant.corners) {
+                    *p = sites.mean(slot as usize, |site| rest[site]);
+                }
+                *moment = giant_moment(places);
+            }
+            let body = Staged { index: count + index, slots: &giant.corners, rest, moment: *moment, skinned: self.giant_volumes[index] };
+            let first = giant_offsets[0];
+            let changes = &mut giant_changes[(giant_offsets[index] - first) as usize..(giant_offsets[index + 1] - first) as usize];
+            stages.measure(&body, motions, sites, StageBuffers::new(room), |p| giant_volume(&p[..giant.corners.len()]), changes);
+        }
+        if has_shapes {
+            binding.plan.bodies.rigid_moments(&self.body_moments, &mut self.job_moments);
+        }
+    }
+
     /// Spreads a change of target by what each joint gives back anyway, the rest over the whole shell.
     fn breathe(&mut self, binding: &Binding, target_scale: f64) {
         for (state, job) in self.jobs.iter_mut().zip(&binding.plan.jobs) {
@@ -301,51 +364,74 @@ impl Workspace {
     }
 
     /// Reads the gradient and sums what each field could do with it.
-    pub(crate) fn hold(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], samples_profiles: bool) {
-        let (surface, buffers, jobs, points) = (&binding.surface, &self.surface, &self.jobs, &self.points);
-        self.chunks.par_iter_mut().zip(self.gradient.par_chunks_mut(CHUNK)).enumerate().for_each(|(chunk, (local, gradient))| {
-            local.holds.fill(Hold::default());
-            local.wide_holds.fill(0.0);
-            let chunk_jobs = supports.jobs_of_chunk.row(chunk);
-            let chunk_components = supports.components_of_chunk.row(chunk);
-            let mut entry = 0;
-            for (i, gradient) in gradient.iter_mut().enumerate() {
-                let point = chunk * CHUNK + i;
-                let g = surface.gradient_at(point, buffers);
-                *gradient = g;
-                let inverse_area = f64::from(binding.inverse_areas[point]);
-                if inverse_area > 0.0 {
-                    let component = binding.topology.component_of_point[point];
-                    if let Some(slot) = chunk_components.iter().position(|&c| c == component) {
-                        local.wide_holds[slot] += inverse_area * g.length_squared();
+    pub(crate) fn hold(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pass: Pass) {
+        let (patches, jobs, sources) = (&binding.patches, &self.jobs, &self.sources);
+        let (places, has_profiles) = (self.places.each_ref().map(|c| &**c), !self.profiled.is_empty());
+        let profile_offsets = if has_profiles { &supports.weight_offsets } else { &supports.no_weights };
+        for_each_piece(
+            patches.list.len(),
+            (
+                ragged(&mut self.gradient, &patches.slot_offsets),
+                Ragged::new(&mut self.heights, &supports.weight_offsets),
+                Ragged::new(&mut self.profiled, profile_offsets),
+                Ragged::new(&mut self.holds, supports.jobs_of_patch.offsets()),
+                &mut *self.patches,
+            ),
+            &|index, (gradient, heights, profiled, holds, sums)| {
+                let patch = &patches.list[index];
+                let slots = patch.start..patches.slot_offsets[index + 1] as usize;
+                let mut gradient = gradient.map(|row| row.values);
+                import_gradient(binding, index, sources, &mut gradient);
+                let gradient = gradient.map(|row| &*row);
+                let (mut squares, mut lengths): (Row, Row) = ([0.0; PATCH_POINTS], [0.0; PATCH_POINTS]);
+                fields::measure(gradient, &mut squares, &mut lengths);
+                let places = places.map(|row| &row[slots.clone()]);
+                sums[0].wide_hold = fields::sum_and_most(&binding.inverse_areas[slots.clone()], &squares, &lengths).0;
+                let row_length = slots.len();
+                for (row, (&job, hold)) in supports.jobs_of_patch.row(index).iter().zip(holds.values).enumerate() {
+                    let state = &jobs[job as usize];
+                    *hold = Hold::default();
+                    if !state.frame.is_active || !pass.concerns(job as usize) {
+                        continue;
                     }
-                }
-                for hold in supports.holds.row(point) {
-                    let job = chunk_jobs[hold.slot as usize] as usize;
-                    let frame = &jobs[job].frame;
-                    if frame.is_active {
-                        if samples_profiles {
-                            local.gammas[entry] = frame.gamma(&settings[binding.plan.jobs[job].joint as usize], points[point]);
+                    let at = row * row_length..(row + 1) * row_length;
+                    let weights = &supports.weights[supports.weight_offsets[index] as usize..][at.clone()];
+                    let profiles =
+                        settings[binding.plan.jobs[job as usize].joint as usize].profiles.as_ref().filter(|_| state.frame.has_axes());
+                    if matches!(pass, Pass::All) {
+                        fields::bell_heights(weights, places, &state.frame, &mut heights.values[at.clone()]);
+                        if let Some(profiles) = profiles {
+                            for (i, profiled) in profiled.values[at.clone()].iter_mut().enumerate() {
+                                let p = places.map(|row| f64::from(row[i]));
+                                *profiled = weights[i] * state.frame.height(profiles, DVec3::from_array(p)) as f32;
+                            }
                         }
-                        local.holds[hold.slot as usize].add(frame, local.gammas[entry], hold.weight, g);
                     }
-                    entry += 1;
+                    (hold.all, hold.all_most) = fields::sum_and_most(weights, &squares, &lengths);
+                    (hold.bell, hold.bell_most) = fields::sum_and_most(&heights.values[at.clone()], &squares, &lengths);
+                    if state.frame.has_axes() {
+                        let shape = if profiles.is_some() { &profiled.values[at] } else { &heights.values[at] };
+                        for (axis, e) in state.frame.axes.iter().enumerate() {
+                            (hold.along[axis], hold.along_most[axis]) = fields::sum_and_most_along(shape, gradient, e.as_vec3().to_array());
+                        }
+                    }
                 }
-            }
-        });
-        for job in &mut self.jobs {
+            },
+        );
+        for (index, job) in self.jobs.iter_mut().enumerate().filter(|(index, _)| pass.concerns(*index)) {
+            debug_assert!(index < binding.plan.jobs.len());
             job.hold = Hold::default();
+        }
+        for (&job, hold) in supports.jobs_of_patch.values().iter().zip(&self.holds) {
+            if pass.concerns(job as usize) {
+                self.jobs[job as usize].hold.join(hold, binding.area_unit);
+            }
         }
         for state in &mut self.components {
             state.wide_hold = 0.0;
         }
-        for (chunk, local) in self.chunks.iter().enumerate() {
-            for (&job, hold) in supports.jobs_of_chunk.row(chunk).iter().zip(&local.holds) {
-                self.jobs[job as usize].hold.join(hold);
-            }
-            for (&component, hold) in supports.components_of_chunk.row(chunk).iter().zip(&local.wide_holds) {
-                self.components[component as usize].wide_hold += hold;
-            }
+        for (patch, sums) in patches.list.iter().zip(&self.patches) {
+            self.components[patch.component as usize].wide_hold += sums.wide_hold * binding.area_unit;
         }
     }
 
@@ -360,53 +446,65 @@ impl Workspace {
             let field = Field::new(&state.frame, &state.hold, settings[job.joint as usize].shares, state.volume);
             component.wide += state.volume - field.volume;
             state.take(field);
-            state.field.residual = state.volume.signum() / component.spread;
         }
         for state in &mut self.components {
             if state.wide_hold > 0.0 {
                 state.wide_field = state.wide / state.wide_hold;
-                state.wide_residual = state.floor / (state.spread * state.wide_hold);
+                state.wide_residual = state.floor / state.wide_hold;
             }
         }
     }
 
-    /// Corrected positions by all fields at once, and the field of the residual.
-    pub(crate) fn apply(&mut self, binding: &Binding, supports: &Supports) {
-        let (jobs, components, points, gradient) = (&self.jobs, &self.components, &self.points, &self.gradient);
-        let outputs = self.corrected.par_chunks_mut(CHUNK).zip(self.residual.par_chunks_mut(CHUNK));
-        outputs.zip(&self.chunks).enumerate().for_each(|(chunk, ((corrected, residual), local))| {
-            let chunk_jobs = supports.jobs_of_chunk.row(chunk);
-            let mut gammas = local.gammas.iter();
-            for (i, (q, r)) in corrected.iter_mut().zip(residual).enumerate() {
-                let point = chunk * CHUNK + i;
-                let g = gradient[point];
-                let (mut u, mut v) = (DVec3::ZERO, DVec3::ZERO);
-                let inverse_area = f64::from(binding.inverse_areas[point]);
-                if inverse_area > 0.0 {
-                    let component = &components[binding.topology.component_of_point[point] as usize];
-                    u = g * (inverse_area * component.wide_field);
-                    v = g * (inverse_area * component.wide_residual);
-                }
-                for (hold, gamma) in supports.holds.row(point).iter().zip(&mut gammas) {
-                    let job = &jobs[chunk_jobs[hold.slot as usize] as usize];
-                    if job.frame.is_active {
-                        let moved = job.field.displacement_at(*gamma, hold.weight, g);
-                        u += moved;
-                        v += moved * job.field.residual;
+    /// Displacements by all fields at once, and the field of the residual: the same with every joint giving, none taking.
+    pub(crate) fn apply(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
+        let (jobs, components, patches) = (&self.jobs, &self.components, &binding.patches);
+        let (gradient, heights, profiled) = (self.gradient.each_ref().map(|c| &**c), &self.heights, &self.profiled);
+        for_each_piece(
+            patches.list.len(),
+            (ragged(&mut self.moved, &patches.slot_offsets), ragged(&mut self.residual, &patches.slot_offsets)),
+            &|index, (moved, residual)| {
+                let patch = &patches.list[index];
+                let slots = patch.start..patches.slot_offsets[index + 1] as usize;
+                let gradient = gradient.map(|row| &row[slots.clone()]);
+                let component = &components[patch.component as usize];
+                let (mut by_gradient, mut residual_by_gradient): (Row, Row) = ([0.0; PATCH_POINTS], [0.0; PATCH_POINTS]);
+                let areas = &binding.inverse_areas[slots.clone()];
+                let wide = |coefficient: f64, row: &mut Row| {
+                    let coefficient = coefficient as f32;
+                    row.iter_mut().zip(areas).for_each(|(sum, area)| *sum = area * coefficient);
+                };
+                wide(component.wide_field, &mut by_gradient);
+                wide(component.wide_residual, &mut residual_by_gradient);
+                let (mut moved, mut residual) = (moved.map(|row| row.values), residual.map(|row| row.values));
+                moved.iter_mut().chain(&mut residual).for_each(|row| row.fill(0.0));
+                for (row, &job) in supports.jobs_of_patch.row(index).iter().enumerate() {
+                    let state = &jobs[job as usize];
+                    if !state.frame.is_active {
+                        continue;
+                    }
+                    let sign = if component.is_wide_only { 0.0 } else { state.volume.signum() as f32 };
+                    let at = supports.weight_offsets[index] as usize + row * slots.len();
+                    let at = at..at + slots.len();
+                    let (weights, bell) = (&supports.weights[at.clone()], &heights[at.clone()]);
+                    fields::add_round(&state.field, sign, weights, bell, &mut by_gradient, &mut residual_by_gradient);
+                    if state.frame.has_axes() {
+                        let has_profiles = settings[binding.plan.jobs[job as usize].joint as usize].profiles.is_some();
+                        let shape = if has_profiles { &profiled[at] } else { bell };
+                        fields::add_shaped(&state.field, sign, shape, gradient, reborrow(&mut moved), reborrow(&mut residual));
                     }
                 }
-                *q = points[point] + u;
-                *r = v;
-            }
-        });
+                fields::add_along_gradient(&by_gradient, gradient, moved);
+                fields::add_along_gradient(&residual_by_gradient, gradient, residual);
+            },
+        );
     }
 
-    /// The paper's order: parents first, axis after axis, each on the mesh so far. The residual field stays as `apply` made it.
+    /// The paper's order: parents first, axis after axis, each on the mesh so far. The residual's field stays as `apply` made it.
     pub(crate) fn apply_in_order(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
-        self.corrected.copy_from_slice(&self.points);
+        self.moved.iter_mut().for_each(|row| row.fill(0.0));
         for joint in 0..binding.motions.tree.len() {
-            let mine: Vec<usize> =
-                (0..self.jobs.len()).filter(|&j| binding.plan.jobs[j].joint as usize == joint && self.jobs[j].frame.is_active).collect();
+            let is_mine = |job: usize, jobs: &[JobState]| binding.plan.jobs[job].joint as usize == joint && jobs[job].frame.is_active;
+            let mine: Vec<usize> = (0..self.jobs.len()).filter(|&job| is_mine(job, &self.jobs)).collect();
             if mine.is_empty() {
                 continue;
             }
@@ -420,79 +518,151 @@ impl Workspace {
                 if shares.iter().all(|s| s[step] == 0.0) {
                     continue;
                 }
-                binding.surface.volumes_and_gradient(&self.corrected, &mut self.surface, &mut self.group_volumes);
-                self.hold(binding, supports, settings, false);
+                self.sweep_moved(binding);
+                self.hold(binding, supports, settings, Pass::Some(&mine));
                 for (&job, shares) in mine.iter().zip(&shares) {
                     let state = &mut self.jobs[job];
                     let axes = Shares::Axes(std::array::from_fn(|axis| f64::from(u8::from(axis == step))));
-                    let frame = state.frame.for_step(step);
-                    let field = Field::new(&frame, &state.hold, axes, state.volume * shares[step]);
-                    let residual = state.field.residual;
-                    state.take(field);
-                    state.field.residual = residual;
+                    state.take(Field::new(&state.frame.for_step(step), &state.hold, axes, state.volume * shares[step]));
                 }
-                self.move_by_jobs(supports, &mine);
+                self.move_by_jobs(binding, supports, settings, &mine);
             }
         }
     }
 
-    /// Moves the corrected points by the fields of some jobs alone.
-    fn move_by_jobs(&mut self, supports: &Supports, mine: &[usize]) {
-        let (jobs, gradient) = (&self.jobs, &self.gradient);
-        self.corrected.par_chunks_mut(CHUNK).zip(&self.chunks).enumerate().for_each(|(chunk, (corrected, local))| {
-            let chunk_jobs = supports.jobs_of_chunk.row(chunk);
-            let mut gammas = local.gammas.iter();
-            for (i, q) in corrected.iter_mut().enumerate() {
-                let point = chunk * CHUNK + i;
-                for (hold, gamma) in supports.holds.row(point).iter().zip(&mut gammas) {
-                    let job = chunk_jobs[hold.slot as usize] as usize;
-                    if mine.contains(&job) {
-                        *q += jobs[job].field.displacement_at(*gamma, hold.weight, gradient[point]);
-                    }
+    /// Gradient of the surface moved so far.
+    fn sweep_moved(&mut self, binding: &Binding) {
+        let patches = &binding.patches;
+        let (skinned, moved) = (&self.skinned, &self.moved);
+        let place = |slot: usize| add(skinned[slot], vector(moved, slot));
+        let (sources, giant_sources) = self.sources.split_at_mut(patches.patch_source_count());
+        let arrays = (ragged(&mut self.gradient, &patches.slot_offsets), Ragged::new(sources, &patches.source_offsets));
+        for_each_piece(patches.list.len(), arrays, &|index, (gradient, sources)| {
+            let patch = &patches.list[index];
+            let (mut p, mut by_point): (Buffer, Buffer) = ([lanes::ZERO; PATCH_POINTS], [lanes::ZERO; PATCH_POINTS]);
+            for (p, &slot) in p.iter_mut().zip(&patches.local[patch.local.clone()]) {
+                *p = place(slot as usize);
+            }
+            sweeps::volume_and_gradient(patches, patch, &p, &mut by_point);
+            keep_gradient(binding, patch, &by_point, gradient.map(|row| row.values), sources.values);
+        });
+        sweep_giants(binding, &mut self.giant_volumes, giant_sources, place);
+    }
+
+    /// Moves points by the fields of some jobs alone.
+    fn move_by_jobs(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], mine: &[usize]) {
+        let (jobs, patches) = (&self.jobs, &binding.patches);
+        let (gradient, heights, profiled) = (self.gradient.each_ref().map(|c| &**c), &self.heights, &self.profiled);
+        for_each_piece(patches.list.len(), ragged(&mut self.moved, &patches.slot_offsets), &|index, moved| {
+            let slots = patches.slot_offsets[index] as usize..patches.slot_offsets[index + 1] as usize;
+            let gradient = gradient.map(|row| &row[slots.clone()]);
+            let mut moved = moved.map(|row| row.values);
+            for (row, &job) in supports.jobs_of_patch.row(index).iter().enumerate().filter(|(_, job)| mine.contains(&(**job as usize))) {
+                let state = &jobs[job as usize];
+                let at = supports.weight_offsets[index] as usize + row * slots.len();
+                let at = at..at + slots.len();
+                let (mut by_gradient, mut unused): (Row, Row) = ([0.0; PATCH_POINTS], [0.0; PATCH_POINTS]);
+                let bell = &heights[at.clone()];
+                fields::add_round(&state.field, 0.0, &supports.weights[at.clone()], bell, &mut by_gradient, &mut unused);
+                fields::add_along_gradient(&by_gradient, gradient, reborrow(&mut moved));
+                if state.frame.has_axes() {
+                    let has_profiles = settings[binding.plan.jobs[job as usize].joint as usize].profiles.is_some();
+                    let shape = if has_profiles { &profiled[at] } else { bell };
+                    let mut ignored: [Row; 3] = [[0.0; PATCH_POINTS]; 3];
+                    fields::add_shaped(
+                        &state.field,
+                        0.0,
+                        shape,
+                        gradient,
+                        reborrow(&mut moved),
+                        ignored.each_mut().map(|row| &mut row[..]),
+                    );
                 }
             }
         });
     }
 
-    /// Steps along the residual field until every component has its target, by the exact cubic.
-    pub(crate) fn remove_residual(&mut self, binding: &Binding) {
-        for _ in 0..RESIDUAL_STEPS {
-            binding.surface.cubics(&self.corrected, &self.residual, &mut self.surface, &mut self.group_cubics);
-            self.component_cubics.fill(VolumeCubic::default());
-            for (cubic, &component) in self.group_cubics.iter().zip(&binding.component_of_group) {
-                self.component_cubics[component as usize].join(cubic);
-            }
-            for (state, cubic) in self.components.iter_mut().zip(&self.component_cubics) {
-                state.step = cubic.root_nearest_zero(state.target).unwrap_or(0.0);
-            }
-            self.step(binding);
-            binding.surface.volumes(&self.corrected, &mut self.surface, &mut self.group_volumes);
-            for state in &mut self.components {
-                state.corrected = 0.0;
-            }
-            for (volume, &component) in self.group_volumes.iter().zip(&binding.component_of_group) {
-                self.components[component as usize].corrected += volume;
-            }
-            if self.components.iter().all(|c| (c.corrected - c.target).abs() <= RESIDUAL_DONE * c.target.abs()) {
-                break;
-            }
+    /// Steps along the residual's field until every component has its target, by the exact cubic.
+    pub(crate) fn remove_residual(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
+        self.find_steps(binding);
+        if self.components.iter().any(|state| state.is_wide_only) {
+            // Fields that fight each other, or far too little skin: the whole shell takes what is left.
+            // `places` are done with: room for what `apply` would overwrite.
+            std::mem::swap(&mut self.moved, &mut self.places);
+            self.apply(binding, supports, settings);
+            std::mem::swap(&mut self.moved, &mut self.places);
+            self.find_steps(binding);
         }
     }
 
-    /// Moves corrected points along the residual field by each component's step.
-    fn step(&mut self, binding: &Binding) {
-        let (points, residual, components) = (&self.points, &self.residual, &self.components);
-        let to_object = self.object.matrix3;
-        self.corrected.par_chunks_mut(CHUNK).zip(&mut self.chunks).enumerate().for_each(|(chunk, (corrected, local))| {
-            local.largest_squared = 0.0;
-            for (i, q) in corrected.iter_mut().enumerate() {
-                let point = chunk * CHUNK + i;
-                if let Some(component) = components.get(binding.topology.component_of_point[point] as usize) {
-                    *q += residual[point] * component.step;
-                }
-                local.largest_squared = local.largest_squared.max((to_object * (*q - points[point])).length_squared());
-            }
+    fn find_steps(&mut self, binding: &Binding) {
+        let patches = &binding.patches;
+        let (skinned, moved, residual) = (&self.skinned, &self.moved, &self.residual);
+        for_each_piece(patches.list.len(), &mut *self.patches, &|index, sums| {
+            sums[0].cubic = cubic_of_patch(patches, index, skinned, moved, residual);
         });
+        for state in &mut self.components {
+            state.cubic = VolumeCubic::default();
+        }
+        for (patch, sums) in patches.list.iter().zip(&self.patches) {
+            self.components[patch.component as usize].cubic.join(&sums.cubic);
+        }
+        for giant in &patches.giants {
+            let corners = giant.corners.iter().map(|&slot| {
+                let slot = slot as usize;
+                (add(skinned[slot], vector(moved, slot)), vector(residual, slot))
+            });
+            self.components[giant.component as usize].cubic.join(&polygon_cubic(corners));
+        }
+        for state in &mut self.components {
+            let gap = state.target - state.cubic.0[0];
+            let is_near = gap.abs() <= RESIDUAL_DONE * state.target.abs();
+            let root = if is_near { Some(0.0) } else { state.cubic.root_nearest_zero(state.target) };
+            match root.filter(|step| state.is_wide_only || step.abs() <= RESIDUAL_STEP_MAX) {
+                Some(step) => state.step = step,
+                None if state.is_wide_only => state.step = 0.0,
+                None => state.is_wide_only = true,
+            }
+            state.corrected = if state.step == 0.0 { state.cubic.0[0] } else { state.cubic.at(state.step) };
+        }
+    }
+
+    /// Adds the residual's part and turns displacements into object space.
+    pub(crate) fn finish(&mut self, binding: &Binding) {
+        let patches = &binding.patches;
+        let (moved, residual, components) = (&self.moved, &self.residual, &self.components);
+        let to_object = self.object.matrix3.to_cols_array();
+        for_each_piece(patches.list.len(), (Ragged::new(&mut self.displacements, &patches.slot_offsets), &mut *self.patches), &|index,
+                                                                                                                                (
+            displacements,
+            sums,
+        )| {
+            let patch = &patches.list[index];
+            let step = components[patch.component as usize].step;
+            let slots = patch.start..patch.start + displacements.values.len();
+            let moved = moved.each_ref().map(|row| &row[slots.clone()]);
+            let residual = residual.each_ref().map(|row| &row[slots.clone()]);
+            sums[0].largest_squared = to_displacements(moved, residual, step, &to_object, displacements.values);
+        });
+    }
+
+    /// Corrected − skinned per slot in double precision, armature space.
+    pub(crate) fn displacements_in_full(&self, binding: &Binding) -> Vec<DVec3> {
+        let mut full = vec![DVec3::ZERO; self.displacements.len()];
+        for patch in &binding.patches.list {
+            let step = self.components[patch.component as usize].step;
+            let slots = patch.start..patch.start + patch.owned;
+            for (slot, full) in slots.clone().zip(&mut full[slots]) {
+                *full = lanes::to(lanes::add_scaled(vector(&self.moved, slot), vector(&self.residual, slot), step));
+            }
+        }
+        full
+    }
+
+    /// Skinned position of a site in armature space.
+    pub(crate) fn skinned_site(&self, binding: &Binding, site: usize) -> DVec3 {
+        let rest = if self.rest.is_empty() { &binding.sites.rest } else { &self.rest };
+        lanes::to(self.motions.palette.skin(&binding.sites.influences, site, rest[site])) + self.motions.palette.origin
     }
 
     /// Figures of the frame, in object space.
@@ -517,10 +687,27 @@ impl Workspace {
             report.joint_displacements[joint] = report.joint_displacements[joint].max(state.displacement);
             report.joint_is_capped[joint] |= state.is_capped;
         }
-        let largest = self.chunks.iter().map(|c| c.largest_squared).fold(0.0, f64::max);
-        report.max_displacement = largest.sqrt();
-        let scale = object_from_armature.abs().cbrt();
-        report.seam_gap = if self.sites.is_empty() { 0.0 } else { binding.sites.largest_gap(&self.sites) * scale };
+        report.max_displacement = self.patches.iter().map(|p| p.largest_squared).fold(0.0, f64::max).sqrt();
+        let gap = self.patches.iter().map(|p| p.gap_squared).fold(0.0, f64::max).sqrt();
+        report.seam_gap = gap * object_from_armature.abs().cbrt();
+    }
+}
+
+/// Which jobs a sum is for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Pass<'a> {
+    /// All, with heights sampled anew.
+    All,
+    /// These, with heights as they are.
+    Some(&'a [usize]),
+}
+
+impl Pass<'_> {
+    fn concerns(self, job: usize) -> bool {
+        match self {
+            Self::All => true,
+            Self::Some(jobs) => jobs.contains(&job),
+        }
     }
 }
 
@@ -531,5 +718,165 @@ impl JobState {
         self.displacement += field.displacement;
         self.is_capped |= field.is_capped;
         self.field = field;
+    }
+}
+
+fn ragged<'a>(coordinates: &'a mut Coordinates, offsets: &'a [u32]) -> [Ragged<'a, f32>; 3] {
+    coordinates.each_mut().map(|row| Ragged::new(row, offsets))
+}
+
+fn reborrow<'a>(rows: &'a mut [&mut [f32]; 3]) -> [&'a mut [f32]; 3] {
+    rows.each_mut().map(|row| &mut **row)
+}
+
+#[inline(always)]
+fn vector(rows: &Coordinates, slot: usize) -> V4 {
+    [f64::from(rows[0][slot]), f64::from(rows[1][slot]), f64::from(rows[2][slot]), 0.0]
+}
+
+/// What a patch is skinned from.
+#[derive(Clone, Copy)]
+struct Skinner<'a> {
+    binding: &'a Binding,
+    motions: &'a Motions,
+    rest: &'a [V4],
+    index: usize,
+}
+
+/// Skins the points a patch sees; keeps those it owns, and the gradient of all.
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn skin_patch(
+    from: Skinner,
+    skinned: &mut [V4],
+    places: [&mut [f32]; 3],
+    gradient: [&mut [f32]; 3],
+    sources: &mut [V4],
+    sums: &mut PatchSums,
+) {
+    let Skinner { binding, motions, rest, index } = from;
+    let (patches, sites, palette) = (&binding.patches, &binding.sites, &motions.palette);
+    let patch = &patches.list[index];
+    let local = &patches.local[patch.local.clone()];
+    let (mut p, mut by_point): (Buffer, Buffer) = ([lanes::ZERO; PATCH_POINTS], [lanes::ZERO; PATCH_POINTS]);
+    if sites.is_split() {
+        for (p, &slot) in p.iter_mut().zip(local) {
+            *p = sites.mean(slot as usize, |site| palette.skin(&sites.influences, site, rest[site]));
+        }
+    } else {
+        for (p, &slot) in p.iter_mut().zip(local) {
+            let site = sites.of_slot(slot as usize).start;
+            *p = palette.skin(&sites.influences, site, rest[site]);
+        }
+    }
+    *sums = PatchSums { volume: sweeps::volume_and_gradient(patches, patch, &p, &mut by_point), ..PatchSums::default() };
+    keep_gradient(binding, patch, &by_point, gradient, sources);
+    skinned[..patch.owned].copy_from_slice(&p[..patch.owned]);
+    for (axis, row) in places.into_iter().enumerate() {
+        for (place, p) in row.iter_mut().zip(&p[..patch.owned]) {
+            *place = p[axis] as f32;
+        }
+    }
+    if sites.is_split() {
+        for &slot in &local[..patch.owned] {
+            let mut twins = sites.of_slot(slot as usize).map(|site| palette.skin(&sites.influences, site, rest[site]));
+            if let Some(first) = twins.next() {
+                let gaps = twins.map(|twin| lanes::to(twin).distance_squared(lanes::to(first)));
+                sums.gap_squared = gaps.fold(sums.gap_squared, f64::max);
+            }
+        }
+    }
+}
+
+/// Losses of the joints that deform a patch.
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn stage_patch(from: Skinner, stages: &Stages, has_shapes: bool, skinned: f64, changes: &mut [Change], moment: &mut Moment) {
+    let Skinner { binding, motions, rest, index } = from;
+    let (patches, sites) = (&binding.patches, &binding.sites);
+    let patch = &patches.list[index];
+    let slots = &patches.local[patch.local.clone()];
+    if has_shapes {
+        let mut p: Buffer = [lanes::ZERO; PATCH_POINTS];
+        for (p, &slot) in p.iter_mut().zip(slots) {
+            *p = sites.mean(slot as usize, |site| rest[site]);
+        }
+        let (volume, area) = sweeps::moment(patches, patch, &p);
+        *moment = (volume, lanes::to(area));
+    }
+    let body = Staged { index, slots, rest, moment: *moment, skinned };
+    let mut room = [lanes::ZERO; 4 * PATCH_POINTS];
+    let volume = |p: &[V4]| p.first_chunk::<PATCH_POINTS>().map_or(0.0, |p| sweeps::volume(patches, patch, p));
+    stages.measure(&body, motions, sites, StageBuffers::new(&mut room), volume, changes);
+}
+
+/// Keeps a patch's part of the gradient: whole for the points it alone uses, for others to be summed.
+#[inline(always)]
+fn keep_gradient(binding: &Binding, patch: &Patch, by_point: &Buffer, gradient: [&mut [f32]; 3], sources: &mut [V4]) {
+    let (shared, foreign) = sources.split_at_mut(patch.shared);
+    shared.copy_from_slice(&by_point[..patch.shared]);
+    foreign.copy_from_slice(&by_point[patch.owned..patch.local.len()]);
+    let per_area = 1.0 / (GRADIENT_PARTS * binding.area_unit);
+    for (axis, row) in gradient.into_iter().enumerate() {
+        for (g, by_point) in row.iter_mut().zip(&by_point[..patch.owned]) {
+            *g = (by_point[axis] * per_area) as f32;
+        }
+    }
+}
+
+/// Sums the parts of the gradient at the points that a patch shares.
+fn import_gradient(binding: &Binding, index: usize, sources: &[V4], gradient: &mut [&mut [f32]; 3]) {
+    let patches = &binding.patches;
+    let patch = &patches.list[index];
+    let mut sum: Buffer = [lanes::ZERO; PATCH_POINTS];
+    sum[..patch.shared].copy_from_slice(&sources[patches.source_offsets[index] as usize..][..patch.shared]);
+    for import in patches.imports.row(index) {
+        let sum = &mut sum[usize::from(import.owned)];
+        *sum = add(*sum, sources[import.source as usize]);
+    }
+    let per_area = 1.0 / (GRADIENT_PARTS * binding.area_unit);
+    for (axis, row) in gradient.iter_mut().enumerate() {
+        for (g, sum) in row.iter_mut().zip(&sum[..patch.shared]) {
+            *g = (sum[axis] * per_area) as f32;
+        }
+    }
+}
+
+/// V(P + tR) of a patch, P the points as moved so far and R the residual's field.
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn cubic_of_patch(patches: &Patches, index: usize, skinned: &[V4], moved: &Coordinates, residual: &Coordinates) -> VolumeCubic {
+    let patch = &patches.list[index];
+    let (mut p, mut u): (Buffer, Buffer) = ([lanes::ZERO; PATCH_POINTS], [lanes::ZERO; PATCH_POINTS]);
+    for ((p, u), &slot) in p.iter_mut().zip(&mut u).zip(&patches.local[patch.local.clone()]) {
+        let slot = slot as usize;
+        (*p, *u) = (add(skinned[slot], vector(moved, slot)), vector(residual, slot));
+    }
+    sweeps::volume_cubic(patches, patch, &p, &u)
+}
+
+/// moved + step · residual in object space; the largest squared length.
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn to_displacements(moved: fields::Rows, residual: fields::Rows, step: f64, m: &[f64; 9], into: &mut [[f32; 3]]) -> f64 {
+    let mut largest = 0.0;
+    let at = |axis: usize, i: usize| f64::from(moved[axis][i]) + f64::from(residual[axis][i]) * step;
+    for (i, displacement) in into.iter_mut().enumerate() {
+        let [x, y, z] = [at(0, i), at(1, i), at(2, i)];
+        let u = [m[0] * x + m[3] * y + m[6] * z, m[1] * x + m[4] * y + m[7] * z, m[2] * x + m[5] * y + m[8] * z];
+        let squared = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+        largest = if squared > largest { squared } else { largest };
+        *displacement = u.map(|c| c as f32);
+    }
+    largest
+}
+
+/// Volume and gradient of faces too large for any patch.
+fn sweep_giants(binding: &Binding, volumes: &mut [f64], sources: &mut [V4], place: impl Fn(usize) -> V4) {
+    let mut sources = sources.iter_mut();
+    for (giant, volume) in binding.patches.giants.iter().zip(volumes) {
+        let count = giant.corners.len();
+        let at = |i: usize| place(giant.corners[i % count] as usize);
+        let (mean, area) = mean_and_cross((0..count).map(at));
+        *volume = lanes::sum(lanes::mul(mean, area)) / 6.0;
+        for (i, source) in (0..count).zip(&mut sources) {
+            *source = polygon_gradient(mean, area, at(i + count - 1), at(i + 1), count);
+        }
     }
 }

@@ -4,9 +4,8 @@ use glam::DVec3;
 
 use crate::error::{Error, Result, check_finite};
 use crate::joint::Shares;
-use crate::surface::{Surface, SurfaceBuffers};
+use crate::surface;
 use crate::topology::Topology;
-use crate::volume::VolumeCubic;
 
 /// An axis whose hold is below this part of the whole hold cannot take its share.
 const HOLD_MIN: f64 = 1e-12;
@@ -15,7 +14,6 @@ const HOLD_MIN: f64 = 1e-12;
 pub struct Mesh {
     topology: Topology,
     rest: Vec<DVec3>,
-    surface: Surface,
 }
 
 /// Volume that `correct` is to reach.
@@ -34,9 +32,7 @@ impl Mesh {
     /// As `Topology::new`.
     pub fn new(rest: Vec<DVec3>, face_offsets: &[i32], face_corners: &[i32], weld_tolerance: f64) -> Result<Self> {
         let topology = Topology::new(&rest, face_offsets, face_corners, weld_tolerance)?;
-        let faces: Vec<(u32, &[u32])> = topology.component_of_face.iter().copied().zip(topology.faces.rows()).collect();
-        let surface = Surface::new(&faces, topology.components.len(), &topology.points(&rest));
-        Ok(Self { topology, rest, surface })
+        Ok(Self { topology, rest })
     }
 
     /// Welded faces, components and caps.
@@ -54,10 +50,7 @@ impl Mesh {
     /// # Errors
     /// Wrong length, positions that are not finite.
     pub fn component_volumes(&self, positions: &[DVec3]) -> Result<Vec<f64>> {
-        let points = self.centred_points(positions)?;
-        let mut volumes = vec![0.0; self.topology.components.len()];
-        self.surface.volumes(&points, &mut self.surface.buffers(), &mut volumes);
-        Ok(volumes)
+        Ok(surface::volumes(&self.topology, &self.centred_points(positions)?))
     }
 
     /// Derivative of the sum of component volumes by each vertex; twins share their point's.
@@ -65,13 +58,10 @@ impl Mesh {
     /// # Errors
     /// Wrong length, positions that are not finite.
     pub fn volume_gradient(&self, positions: &[DVec3]) -> Result<Vec<DVec3>> {
-        let points = self.centred_points(positions)?;
-        let mut buffers = self.surface.buffers();
-        let mut volumes = vec![0.0; self.topology.components.len()];
-        self.surface.volumes_and_gradient(&points, &mut buffers, &mut volumes);
+        let gradient = surface::gradient(&self.topology, &self.centred_points(positions)?);
         let of_vertex = |&point: &u32| {
             let twins = self.topology.vertices_of_point.row(point as usize).len() as f64;
-            self.surface.gradient_at(point as usize, &buffers) / twins
+            gradient[point as usize] / twins
         };
         Ok(self.topology.point_of_vertex.iter().map(of_vertex).collect())
     }
@@ -135,19 +125,20 @@ struct Solve<'a> {
     mesh: &'a Mesh,
     points: Vec<DVec3>,
     gamma: Vec<f64>,
-    buffers: SurfaceBuffers,
+    gradient: Vec<DVec3>,
     volumes: Vec<f64>,
 }
 
 impl<'a> Solve<'a> {
     fn new(mesh: &'a Mesh, points: Vec<DVec3>, gamma: Vec<f64>) -> Self {
-        let mut solve = Self { buffers: mesh.surface.buffers(), volumes: vec![0.0; mesh.topology.components.len()], mesh, points, gamma };
+        let mut solve = Self { gradient: Vec::new(), volumes: Vec::new(), mesh, points, gamma };
         solve.update();
         solve
     }
 
     fn update(&mut self) {
-        self.mesh.surface.volumes_and_gradient(&self.points, &mut self.buffers, &mut self.volumes);
+        self.volumes = surface::volumes(&self.mesh.topology, &self.points);
+        self.gradient = surface::gradient(&self.mesh.topology, &self.points);
     }
 
     /// Σ γ f(g) over each component.
@@ -155,7 +146,7 @@ impl<'a> Solve<'a> {
         let mut holds = vec![0.0; self.volumes.len()];
         for (point, gamma) in self.gamma.iter().enumerate() {
             if let Some(hold) = holds.get_mut(self.mesh.topology.component_of_point[point] as usize) {
-                *hold += gamma * f(self.mesh.surface.gradient_at(point, &self.buffers));
+                *hold += gamma * f(self.gradient[point]);
             }
         }
         holds
@@ -196,11 +187,10 @@ impl<'a> Solve<'a> {
             .map(|point| {
                 let component = self.mesh.topology.component_of_point[point] as usize;
                 let scale = holds.get(component).filter(|h| **h > 0.0).map_or(0.0, |h| self.gamma[point] / h);
-                self.mesh.surface.gradient_at(point, &self.buffers) * scale
+                self.gradient[point] * scale
             })
             .collect();
-        let mut cubics = vec![VolumeCubic::default(); changes.len()];
-        self.mesh.surface.cubics(&self.points, &field, &mut self.buffers, &mut cubics);
+        let cubics = surface::cubics(&self.mesh.topology, &self.points, &field);
         for (component, (cubic, &change)) in cubics.iter().zip(changes).enumerate() {
             if change == 0.0 {
                 continue;
@@ -262,7 +252,7 @@ impl<'a> Solve<'a> {
                 }
                 // The last axis takes what is left, so that rounding of the others does not stay.
                 let change = if is_last(component) { targets[component] - self.volumes[component] } else { changes[component] * part };
-                let slope = self.mesh.surface.gradient_at(point, &self.buffers).dot(e);
+                let slope = self.gradient[point].dot(e);
                 self.points[point] += e * (change * self.gamma[point] * slope / hold);
             }
         }

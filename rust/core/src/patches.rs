@@ -1,312 +1,320 @@
-//! Faces in small fixed groups, each with its own short list of points: the unit of parallel sweeps over a surface.
+//! A surface in patches: faces that lie together, each patch with its own short list of points. The unit of all sweeps.
 //!
-//! A sweep copies a patch's points into a buffer on the stack and works on small indices. Sums are taken per patch and
-//! then in patch order, so that no bit of a result depends on the number of threads.
+//! Every point is *owned* by the first patch that uses it and has a *slot*: owned points of a patch are neighbours in
+//! memory, padded to whole lanes. A patch sees its owned points and a few *foreign* ones of other patches, all by one byte.
+//! Sums are taken per patch and then in patch order, so that no bit of a result depends on the number of threads.
 
 use std::ops::Range;
 
 use glam::DVec3;
 
 use crate::csr::Csr;
-use crate::volume::{VolumeCubic, polygon_mean_and_cross, quad_volume24, triangle_volume6};
+use crate::topology::Topology;
 
-/// Most points of one patch: its buffer lives on the stack.
-pub(crate) const PATCH_POINTS: usize = 1024;
+/// Most points of one patch: a face names its corners by one byte.
+pub(crate) const PATCH_POINTS: usize = 256;
+/// A patch this full ends where the next faces hang on another joint.
+const FULL_ENOUGH: usize = 160;
+/// Slots of a patch are padded to a multiple of this.
+pub(crate) const LANES: usize = 8;
+/// A vertex of no sound shell.
+pub(crate) const NO_SLOT: u32 = u32::MAX;
 
-/// Faces of one group that share a buffer.
+/// Faces of one component that share a list of points.
 #[derive(Debug, Clone)]
 pub(crate) struct Patch {
-    /// Caller's label: every face of a patch has the same.
-    pub group: u32,
-    /// Where its points lie among those of all patches: its slots.
-    pub points: Range<usize>,
-    triangles: Range<usize>,
-    quads: Range<usize>,
-    polygons: Range<usize>,
+    pub component: u32,
+    /// Points that the patch owns: the first of its padded slots.
+    pub owned: usize,
+    /// Owned points that other patches or giants use too: the first of these.
+    pub shared: usize,
+    /// First slot.
+    pub start: usize,
+    /// Slots of owned points, then of foreign ones: `local` of `Patches`.
+    pub local: Range<usize>,
+    pub triangles: Range<usize>,
+    pub quads: Range<usize>,
+    pub polygons: Range<usize>,
 }
 
-/// All faces of a sweep.
+/// A face with more corners than a patch has room for: a huge cap.
+#[derive(Debug, Clone)]
+pub(crate) struct Giant {
+    pub component: u32,
+    /// Slots of its corners, in order.
+    pub corners: Vec<u32>,
+}
+
+/// What a point gets from another patch: its place among the owner's points, and where the other patch left it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Import {
+    pub owned: u8,
+    /// Index into what patches leave for each other: shared and foreign points of each, then corners of giants.
+    pub source: u32,
+}
+
+/// All faces of the sound components of a mesh.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Patches {
-    list: Vec<Patch>,
-    points: Vec<u32>,
-    triangles: Vec<[u16; 3]>,
-    quads: Vec<[u16; 4]>,
-    polygons: Csr<u16>,
-    /// Faces with more corners than a patch has room for: huge caps.
-    giants: Vec<(u32, Vec<u32>)>,
+    pub list: Vec<Patch>,
+    /// Per patch and one past the last: first slot.
+    pub slot_offsets: Vec<u32>,
+    /// Per patch and one past the last: where it leaves values of shared points, then of foreign ones.
+    pub source_offsets: Vec<u32>,
+    /// Slot of each local point, patch after patch.
+    pub local: Vec<u32>,
+    /// Four at a time, corner by corner; the last of a patch are filled up with faces of one point.
+    pub triangles: Vec<[[u8; 4]; 3]>,
+    pub quads: Vec<[[u8; 4]; 4]>,
+    pub polygons: Csr<u8>,
+    pub giants: Vec<Giant>,
+    /// Per patch.
+    pub imports: Csr<Import>,
+    /// Slot of each point; `NO_SLOT` for one of no sound component.
+    pub slot_of_point: Vec<u32>,
 }
 
-/// Positions of a patch's points, on the stack.
-pub(crate) type PatchBuffer = [DVec3; PATCH_POINTS];
-
 impl Patches {
-    /// Groups `faces` of equal `group_of_face`, near ones together (by Morton code of `positions`).
-    pub fn new(faces: &[(u32, &[u32])], positions: &[DVec3]) -> Self {
-        let code = morton_coder(positions);
-        let mut order: Vec<(u32, u64, u32)> = faces
-            .iter()
+    /// `places`: positions per point, for nearness. `keys`: per face, what it hangs on; equal keys go together.
+    pub fn new(topology: &Topology, keys: &[u32], places: &[DVec3]) -> Self {
+        let code = morton_coder(places);
+        let mut order: Vec<(u32, u32, u64, u32)> = topology
+            .faces
+            .rows()
             .enumerate()
-            .map(|(index, (group, corners))| {
-                let mean = corners.iter().map(|&p| positions[p as usize]).sum::<DVec3>() / corners.len() as f64;
-                (*group, code(mean), index as u32)
+            .map(|(index, corners)| {
+                let mean = corners.iter().map(|&p| places[p as usize]).sum::<DVec3>() / corners.len() as f64;
+                (topology.component_of_face[index], keys[index], code(mean), index as u32)
             })
             .collect();
         order.sort_unstable();
-        let mut result = Self::default();
-        let mut open = OpenPatch::new(positions.len());
-        for (group, _, index) in order {
-            let corners = faces[index as usize].1;
+        let mut builder = Builder::new(places.len());
+        let mut giants: Vec<(u32, u32)> = Vec::new();
+        let mut open: Option<(u32, u32)> = None;
+        for (component, key, _, index) in order {
+            let corners = topology.faces.row(index as usize);
             if corners.len() > PATCH_POINTS {
-                result.giants.push((group, corners.to_vec()));
+                giants.push((component, index));
                 continue;
             }
-            if open.group != Some(group) || !open.has_room(corners) {
-                result.close(&mut open);
-                open.group = Some(group);
+            if let Some((old_component, old_key)) = open {
+                let ends = old_component != component || (old_key != key && builder.points.len() >= FULL_ENOUGH);
+                if ends || !builder.has_room(corners) {
+                    builder.close(old_component);
+                }
             }
-            open.add(corners);
+            builder.add(corners);
+            open = Some((component, key));
         }
-        result.close(&mut open);
+        if let Some((component, _)) = open {
+            builder.close(component);
+        }
+        for &(component, index) in &giants {
+            builder.own_points(component, topology.faces.row(index as usize));
+        }
+        let mut result = builder.result;
+        result.slot_offsets.push(result.padded_end() as u32);
+        result.put_shared_first(&giants.iter().flat_map(|g| topology.faces.row(g.1 as usize)).copied().collect::<Vec<u32>>());
+        for slot in &mut result.local {
+            *slot = result.slot_of_point[*slot as usize];
+        }
+        for (component, index) in giants {
+            let corners = topology.faces.row(index as usize).iter().map(|&p| result.slot_of_point[p as usize]).collect();
+            result.giants.push(Giant { component, corners });
+        }
+        result.imports = result.find_imports();
         result
     }
 
-    fn close(&mut self, open: &mut OpenPatch) {
-        let Some(group) = open.group.take() else { return };
-        let (points, triangles, quads, polygons) = (self.points.len(), self.triangles.len(), self.quads.len(), self.polygons.len());
-        self.points.append(&mut open.points);
-        self.triangles.append(&mut open.triangles);
-        self.quads.append(&mut open.quads);
-        for polygon in open.polygons.drain(..) {
-            self.polygons.push_row(polygon);
-        }
-        self.list.push(Patch {
-            group,
-            points: points..self.points.len(),
-            triangles: triangles..self.triangles.len(),
-            quads: quads..self.quads.len(),
-            polygons: polygons..self.polygons.len(),
-        });
-        open.generation += 1;
+    /// Slots with their padding.
+    pub fn slot_count(&self) -> usize {
+        self.slot_offsets.last().map_or(0, |&end| end as usize)
     }
 
-    pub fn len(&self) -> usize {
-        self.list.len()
+    /// Values that patches leave for each other.
+    pub fn patch_source_count(&self) -> usize {
+        self.source_offsets.last().map_or(0, |&end| end as usize)
     }
 
-    pub fn patch(&self, index: usize) -> &Patch {
-        &self.list[index]
-    }
-
-    pub fn patches(&self) -> &[Patch] {
-        &self.list
-    }
-
-    pub fn giants(&self) -> &[(u32, Vec<u32>)] {
-        &self.giants
-    }
-
-    /// Points of all patches, one after the other: `slots` of a patch lie here.
-    pub fn slot_points(&self) -> &[u32] {
-        &self.points
-    }
-
-    pub fn points_of(&self, patch: &Patch) -> &[u32] {
-        &self.points[patch.points.clone()]
+    /// The same and corners of giants.
+    pub fn source_count(&self) -> usize {
+        self.patch_source_count() + self.giants.iter().map(|g| g.corners.len()).sum::<usize>()
     }
 
     pub fn memory_bytes(&self) -> usize {
         size_of_val(&*self.list)
-            + size_of_val(&*self.points)
+            + size_of_val(&*self.local)
             + size_of_val(&*self.triangles)
             + size_of_val(&*self.quads)
             + self.polygons.memory_bytes()
-            + self.giants.iter().map(|(_, corners)| size_of_val(&**corners)).sum::<usize>()
+            + self.giants.iter().map(|g| size_of_val(&*g.corners)).sum::<usize>()
+            + self.imports.memory_bytes()
+            + size_of_val(&*self.slot_of_point)
     }
 
-    /// Copies a patch's points; returns how many.
-    #[inline]
-    pub fn load(&self, patch: &Patch, positions: &[DVec3], buffer: &mut PatchBuffer) -> usize {
-        let points = self.points_of(patch);
-        for (slot, &point) in buffer.iter_mut().zip(points) {
-            *slot = positions[point as usize];
-        }
-        points.len()
+    fn padded_end(&self) -> usize {
+        self.list.last().map_or(0, |p| p.start + p.owned.next_multiple_of(LANES))
     }
 
-    /// Volume of the cones over a patch's faces.
-    #[inline]
-    pub fn volume(&self, patch: &Patch, p: &PatchBuffer) -> f64 {
-        let at = |i: u16| p[i as usize & (PATCH_POINTS - 1)];
-        let triangles: f64 = self.triangles[patch.triangles.clone()].iter().map(|f| triangle_volume6(f.map(at))).sum();
-        let quads: f64 = self.quads[patch.quads.clone()].iter().map(|f| quad_volume24(f.map(at))).sum();
-        let polygons: f64 = patch
-            .polygons
-            .clone()
-            .map(|f| {
-                let (mean, cross) = polygon_mean_and_cross(self.polygons.row(f).iter().map(|&i| at(i)));
-                mean.dot(cross)
-            })
-            .sum();
-        (triangles + polygons + quads / 4.0) / 6.0
-    }
-
-    /// Sum of the area vectors of a patch's faces.
-    pub fn area_vector(&self, patch: &Patch, p: &PatchBuffer) -> DVec3 {
-        let at = |i: u16| p[i as usize];
-        let mut sum = DVec3::ZERO;
-        for f in &self.triangles[patch.triangles.clone()] {
-            sum += crate::volume::triangle_cross(f.map(at));
-        }
-        for f in &self.quads[patch.quads.clone()] {
-            let [a, b, c, d] = f.map(at);
-            sum += (c - a).cross(d - b);
-        }
-        for f in patch.polygons.clone() {
-            sum += polygon_mean_and_cross(self.polygons.row(f).iter().map(|&i| at(i))).1;
-        }
-        sum * 0.5
-    }
-
-    /// Volume of a patch; `gradient` (one per slot of the patch) receives its derivative by each point [MATH §1].
-    #[inline]
-    pub fn volume_and_gradient(&self, patch: &Patch, p: &PatchBuffer, gradient: &mut [DVec3]) -> f64 {
-        gradient.fill(DVec3::ZERO);
-        let at = |i: u16| p[i as usize & (PATCH_POINTS - 1)];
-        let mut triangles = 0.0;
-        for &f in &self.triangles[patch.triangles.clone()] {
-            let corners = f.map(at);
-            let [a, b, c] = corners;
-            // det(a, b, c) by each corner: exact also where the three do not sum to a third of the area vector.
-            let (bc, ca, ab) = (b.cross(c), c.cross(a), a.cross(b));
-            triangles += a.dot(bc);
-            gradient[f[0] as usize] += bc / 6.0;
-            gradient[f[1] as usize] += ca / 6.0;
-            gradient[f[2] as usize] += ab / 6.0;
-        }
-        let mut quads = 0.0;
-        for &f in &self.quads[patch.quads.clone()] {
-            let [a, b, c, d] = f.map(at);
-            let (first, second, sum) = (c - a, d - b, a + b + c + d);
-            let cross = first.cross(second);
-            quads += sum.dot(cross);
-            let (by_first, by_second) = (first.cross(sum), second.cross(sum));
-            gradient[f[0] as usize] += (cross - by_second) / 24.0;
-            gradient[f[1] as usize] += (cross + by_first) / 24.0;
-            gradient[f[2] as usize] += (cross + by_second) / 24.0;
-            gradient[f[3] as usize] += (cross - by_first) / 24.0;
-        }
-        let mut polygons = 0.0;
-        for f in patch.polygons.clone() {
-            let corners = self.polygons.row(f);
-            let (mean, cross) = polygon_mean_and_cross(corners.iter().map(|&i| at(i)));
-            polygons += mean.dot(cross);
-            for (i, &corner) in corners.iter().enumerate() {
-                let next = at(corners[(i + 1) % corners.len()]);
-                let previous = at(corners[(i + corners.len() - 1) % corners.len()]);
-                gradient[corner as usize] += (cross / corners.len() as f64 + (next - previous).cross(mean)) / 6.0;
+    /// Renumbers the points that each patch owns. `local` still holds points, those of giants are `elsewhere` too.
+    fn put_shared_first(&mut self, elsewhere: &[u32]) {
+        let mut is_shared = vec![false; self.slot_of_point.len()];
+        for patch in &self.list {
+            for &point in &self.local[patch.local.start + patch.owned..patch.local.end] {
+                is_shared[point as usize] = true;
             }
         }
-        (triangles + polygons + quads / 4.0) / 6.0
+        for &point in elsewhere {
+            is_shared[point as usize] = true;
+        }
+        self.source_offsets.push(0);
+        for patch in &mut self.list {
+            let owned = &mut self.local[patch.local.start..patch.local.start + patch.owned];
+            let mut order: Vec<u32> = (0..patch.owned as u32).collect();
+            order.sort_by_key(|&place| !is_shared[owned[place as usize] as usize]);
+            patch.shared = owned.iter().filter(|&&point| is_shared[point as usize]).count();
+            let mut renumbered: [u8; PATCH_POINTS] = std::array::from_fn(|place| place as u8);
+            for (new, &old) in order.iter().enumerate() {
+                renumbered[old as usize] = new as u8;
+            }
+            let points: Vec<u32> = order.iter().map(|&old| owned[old as usize]).collect();
+            owned.copy_from_slice(&points);
+            for (new, &point) in points.iter().enumerate() {
+                self.slot_of_point[point as usize] = (patch.start + new) as u32;
+            }
+            let renumber = |corner: &mut u8| *corner = renumbered[usize::from(*corner)];
+            self.triangles[patch.triangles.clone()].as_flattened_mut().as_flattened_mut().iter_mut().for_each(renumber);
+            self.quads[patch.quads.clone()].as_flattened_mut().as_flattened_mut().iter_mut().for_each(renumber);
+            self.polygons.rows_mut(patch.polygons.clone()).iter_mut().for_each(renumber);
+            let end = self.source_offsets[self.source_offsets.len() - 1] as usize + patch.shared + patch.local.len() - patch.owned;
+            self.source_offsets.push(end as u32);
+        }
     }
 
-    /// V(P + tU) of a patch.
-    #[inline]
-    pub fn volume_cubic(&self, patch: &Patch, p: &PatchBuffer, u: &PatchBuffer) -> VolumeCubic {
-        let mut cubic = VolumeCubic::default();
-        let at = |i: u16| p[i as usize & (PATCH_POINTS - 1)];
-        let by = |i: u16| u[i as usize & (PATCH_POINTS - 1)];
-        for f in &self.triangles[patch.triangles.clone()] {
-            let ([a, b, c], [ua, ub, uc]) = (f.map(at), f.map(by));
-            let (first, second, u_first, u_second) = (b - a, c - a, ub - ua, uc - ua);
-            let cross = [first.cross(second), u_first.cross(second) + first.cross(u_second), u_first.cross(u_second)];
-            cubic.add([a, ua], cross, 1.0 / 6.0);
+    fn find_imports(&self) -> Csr<Import> {
+        let mut pairs = Vec::new();
+        let mut import = |slot: u32, source: usize| {
+            let patch = self.slot_offsets.partition_point(|&start| start <= slot) - 1;
+            let owned = (slot - self.slot_offsets[patch]) as u8;
+            pairs.push((patch as u32, Import { owned, source: source as u32 }));
+        };
+        for (patch, &first) in self.list.iter().zip(&self.source_offsets) {
+            for (place, &slot) in self.local[patch.local.start + patch.owned..patch.local.end].iter().enumerate() {
+                import(slot, first as usize + patch.shared + place);
+            }
         }
-        for f in &self.quads[patch.quads.clone()] {
-            let ([a, b, c, d], [ua, ub, uc, ud]) = (f.map(at), f.map(by));
-            let (first, second, u_first, u_second) = (c - a, d - b, uc - ua, ud - ub);
-            let cross = [first.cross(second), u_first.cross(second) + first.cross(u_second), u_first.cross(u_second)];
-            cubic.add([a + b + c + d, ua + ub + uc + ud], cross, 1.0 / 24.0);
+        let mut source = self.patch_source_count();
+        for giant in &self.giants {
+            for &corner in &giant.corners {
+                import(corner, source);
+                source += 1;
+            }
         }
-        for f in patch.polygons.clone() {
-            let corners = self.polygons.row(f);
-            polygon_cubic(corners.iter().map(|&i| (at(i), by(i))), &mut cubic);
-        }
-        cubic
+        Csr::from_pairs(self.list.len(), &pairs)
     }
 }
 
-/// Adds V(P + tU) of one polygon.
-pub(crate) fn polygon_cubic(corners: impl ExactSizeIterator<Item = (DVec3, DVec3)> + Clone, cubic: &mut VolumeCubic) {
-    let count = corners.len() as f64;
-    let (p, u) = corners.clone().fold((DVec3::ZERO, DVec3::ZERO), |(p, u), (q, v)| (p + q, u + v));
-    let mean = [p / count, u / count];
-    let mut cross = [DVec3::ZERO; 3];
-    let Some((mut a, mut ua)) = corners.clone().last().map(|(q, v)| (q - mean[0], v - mean[1])) else { return };
-    for (q, v) in corners {
-        let (b, ub) = (q - mean[0], v - mean[1]);
-        cross[0] += a.cross(b);
-        cross[1] += ua.cross(b) + a.cross(ub);
-        cross[2] += ua.cross(ub);
-        (a, ua) = (b, ub);
-    }
-    cubic.add(mean, cross, 1.0 / 6.0);
-}
-
-/// A patch being filled.
-struct OpenPatch {
-    group: Option<u32>,
+/// Patches while they are being filled. Points stand for slots until all have one.
+struct Builder {
+    result: Patches,
     generation: u32,
-    /// Per point of the mesh: the generation that last used it, and its slot then.
-    slot_of_point: Vec<(u32, u16)>,
+    /// Per point: the generation that last used it, and its place then.
+    place_of_point: Vec<(u32, u16)>,
     points: Vec<u32>,
-    triangles: Vec<[u16; 3]>,
-    quads: Vec<[u16; 4]>,
-    polygons: Vec<Vec<u16>>,
+    faces: Vec<Vec<u16>>,
 }
 
-impl OpenPatch {
+impl Builder {
     fn new(point_count: usize) -> Self {
         Self {
-            group: None,
+            result: Patches { slot_of_point: vec![NO_SLOT; point_count], ..Patches::default() },
             generation: 1,
-            slot_of_point: vec![(0, 0); point_count],
+            place_of_point: vec![(0, 0); point_count],
             points: Vec::new(),
-            triangles: Vec::new(),
-            quads: Vec::new(),
-            polygons: Vec::new(),
+            faces: Vec::new(),
         }
     }
 
     fn has_room(&self, corners: &[u32]) -> bool {
-        self.points.len() + corners.len() <= PATCH_POINTS
-    }
-
-    fn slot(&mut self, point: u32) -> u16 {
-        let known = &mut self.slot_of_point[point as usize];
-        if known.0 != self.generation {
-            *known = (self.generation, self.points.len() as u16);
-            self.points.push(point);
-        }
-        known.1
+        let new = corners.iter().filter(|&&p| self.place_of_point[p as usize].0 != self.generation).count();
+        self.points.len() + new <= PATCH_POINTS
     }
 
     fn add(&mut self, corners: &[u32]) {
-        match *corners {
-            [a, b, c] => {
-                let face = [a, b, c].map(|p| self.slot(p));
-                self.triangles.push(face);
+        let face = corners
+            .iter()
+            .map(|&point| {
+                let known = &mut self.place_of_point[point as usize];
+                if known.0 != self.generation {
+                    *known = (self.generation, self.points.len() as u16);
+                    self.points.push(point);
+                }
+                known.1
+            })
+            .collect();
+        self.faces.push(face);
+    }
+
+    /// Ends a patch: owned points first, then foreign ones.
+    fn close(&mut self, component: u32) {
+        let result = &mut self.result;
+        let start = result.padded_end();
+        let is_owned: Vec<bool> = self.points.iter().map(|&p| result.slot_of_point[p as usize] == NO_SLOT).collect();
+        let owned = is_owned.iter().filter(|o| **o).count();
+        let (mut next_owned, mut next_foreign) = (0, owned);
+        let first_local = result.local.len();
+        result.local.resize(first_local + self.points.len(), 0);
+        let mut renumbered = vec![0u8; self.points.len()];
+        for (place, &point) in self.points.iter().enumerate() {
+            let next = if is_owned[place] { &mut next_owned } else { &mut next_foreign };
+            if is_owned[place] {
+                result.slot_of_point[point as usize] = (start + *next) as u32;
             }
-            [a, b, c, d] => {
-                let face = [a, b, c, d].map(|p| self.slot(p));
-                self.quads.push(face);
-            }
-            _ => {
-                let face = corners.iter().map(|&p| self.slot(p)).collect();
-                self.polygons.push(face);
+            renumbered[place] = *next as u8;
+            result.local[first_local + *next] = point;
+            *next += 1;
+        }
+        let (triangles, quads, polygons) = (result.triangles.len(), result.quads.len(), result.polygons.len());
+        let (mut three, mut four) = (Vec::new(), Vec::new());
+        for face in self.faces.drain(..) {
+            match *face {
+                [a, b, c] => three.push([a, b, c].map(|p| renumbered[p as usize])),
+                [a, b, c, d] => four.push([a, b, c, d].map(|p| renumbered[p as usize])),
+                _ => result.polygons.push_row(face.iter().map(|&p| renumbered[p as usize])),
             }
         }
+        result.triangles.extend(by_fours(&three));
+        result.quads.extend(by_fours(&four));
+        result.slot_offsets.push(start as u32);
+        result.list.push(Patch {
+            component,
+            owned,
+            shared: 0,
+            start,
+            local: first_local..result.local.len(),
+            triangles: triangles..result.triangles.len(),
+            quads: quads..result.quads.len(),
+            polygons: polygons..result.polygons.len(),
+        });
+        self.points.clear();
+        self.generation += 1;
     }
+
+    /// Patches without faces for points that only giants use.
+    fn own_points(&mut self, component: u32, points: &[u32]) {
+        let mut free: Vec<u32> = points.iter().copied().filter(|&p| self.result.slot_of_point[p as usize] == NO_SLOT).collect();
+        free.sort_unstable();
+        free.dedup();
+        for run in free.chunks(PATCH_POINTS) {
+            self.points.extend_from_slice(run);
+            self.close(component);
+        }
+    }
+}
+
+/// Faces four at a time, corner by corner.
+fn by_fours<const N: usize>(faces: &[[u8; N]]) -> impl Iterator<Item = [[u8; 4]; N]> {
+    faces.chunks(4).map(|four| std::array::from_fn(|corner| std::array::from_fn(|lane| four.get(lane).map_or(0, |face| face[corner]))))
 }
 
 /// Interleaved bits of a position in the box of all: near codes are near places.

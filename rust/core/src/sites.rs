@@ -1,130 +1,131 @@
 //! What is skinned: one site per distinct pair of rest position and influences. Twins that move alike share a site.
+//!
+//! Sites lie in the order of slots, so that a patch skins neighbours in memory.
 
-use std::collections::HashMap;
+use std::ops::Range;
 
 use glam::DVec3;
 
 use crate::csr::Csr;
+use crate::lanes::{self, V4, add_scaled, scale};
+use crate::patches::{NO_SLOT, Patches};
 use crate::skinning::Influences;
 use crate::topology::Topology;
 
-/// Sites of a mesh. Vertices, sites and points are the same where nothing is split.
+/// Sites of a mesh.
 #[derive(Debug, Clone)]
 pub(crate) struct Sites {
     /// Influences per site, on joints.
     pub influences: Influences,
-    /// Rest position per site.
-    pub rest: Vec<DVec3>,
-    split: Option<Split>,
-}
-
-#[derive(Debug, Clone)]
-struct Split {
-    site_of_vertex: Vec<u32>,
-    /// Sites of each point, as often as it has vertices there.
-    sites_of_point: Csr<u32>,
+    /// Rest position per site, about the mesh's centre.
+    pub rest: Vec<V4>,
+    pub site_of_vertex: Vec<u32>,
+    /// Per slot and one past the last: first site. Padding has none.
+    offsets: Vec<u32>,
+    /// Part of its point that each site has: of how many twins it is. Empty where every point has one site.
+    shares: Vec<f64>,
 }
 
 impl Sites {
     /// `rest` per vertex; vertices that differ in any of `shape_deltas` do not share a site.
-    pub fn new(topology: &Topology, rest: &[DVec3], influences: Influences, shape_deltas: &[Vec<DVec3>]) -> Self {
-        if topology.is_identity() {
-            return Self { influences, rest: rest.to_vec(), split: None };
-        }
-        let bits = |p: DVec3| p.to_array().map(f64::to_bits);
-        let mut known: HashMap<(u32, Vec<u64>), u32> = HashMap::new();
-        let mut first_vertex = Vec::new();
-        let mut site_of_vertex = Vec::with_capacity(rest.len());
-        for (vertex, &p) in rest.iter().enumerate() {
-            let (bones, weights) = influences.of(vertex);
-            let mut key: Vec<u64> = bits(p).to_vec();
-            key.extend(shape_deltas.iter().flat_map(|deltas| bits(deltas[vertex])));
-            key.extend(bones.iter().map(|&b| u64::from(b)));
-            key.extend(weights.iter().map(|w| w.to_bits()));
-            key.push(influences.mask(vertex).to_bits());
-            let site = *known.entry((topology.point_of_vertex[vertex], key)).or_insert_with(|| {
-                first_vertex.push(vertex);
-                first_vertex.len() as u32 - 1
-            });
-            site_of_vertex.push(site);
-        }
-        let mut of_site = Influences { offsets: vec![0], bones: Vec::new(), weights: Vec::new(), mask: Vec::new() };
-        for &vertex in &first_vertex {
-            let (bones, weights) = influences.of(vertex);
-            of_site.bones.extend_from_slice(bones);
-            of_site.weights.extend_from_slice(weights);
-            of_site.offsets.push(of_site.bones.len() as u32);
-            if !influences.mask.is_empty() {
-                of_site.mask.push(influences.mask[vertex]);
+    pub fn new(topology: &Topology, patches: &Patches, rest: &[DVec3], of_vertex: &Influences, shape_deltas: &[Vec<DVec3>]) -> Self {
+        let slots: Vec<(u32, u32)> =
+            topology.point_of_vertex.iter().zip(0..).map(|(&point, vertex)| (patches.slot_of_point[point as usize], vertex)).collect();
+        let in_slots: Vec<(u32, u32)> = slots.iter().copied().filter(|(slot, _)| *slot != NO_SLOT).collect();
+        let vertices_of_slot = Csr::from_pairs(patches.slot_count(), &in_slots);
+        let alike = |a: u32, b: u32| {
+            let (a, b) = (a as usize, b as usize);
+            rest[a] == rest[b]
+                && of_vertex.of(a) == of_vertex.of(b)
+                && of_vertex.mask(a) == of_vertex.mask(b)
+                && shape_deltas.iter().all(|d| d[a] == d[b])
+        };
+        let mut result = Self {
+            influences: Influences { offsets: vec![0], bones: Vec::new(), weights: Vec::new(), mask: Vec::new() },
+            rest: Vec::new(),
+            site_of_vertex: vec![0; rest.len()],
+            offsets: vec![0],
+            shares: Vec::new(),
+        };
+        let mut shares = Vec::new();
+        for twins in vertices_of_slot.rows() {
+            let first = result.rest.len();
+            let mut leaders: Vec<(u32, f64)> = Vec::new();
+            for &vertex in twins {
+                let place = leaders.iter().position(|(leader, _)| alike(*leader, vertex)).unwrap_or_else(|| {
+                    leaders.push((vertex, 0.0));
+                    leaders.len() - 1
+                });
+                leaders[place].1 += 1.0;
+                result.site_of_vertex[vertex as usize] = (first + place) as u32;
             }
+            for (leader, count) in leaders {
+                result.push(of_vertex, leader as usize, rest);
+                shares.push(count / twins.len() as f64);
+            }
+            result.offsets.push(result.rest.len() as u32);
         }
-        let pairs: Vec<(u32, u32)> = topology.point_of_vertex.iter().copied().zip(site_of_vertex.iter().copied()).collect();
-        let mut sites_of_point = Csr::default();
-        for row in Csr::from_pairs(topology.point_count, &pairs).rows() {
-            // One site is enough where all twins move alike.
-            let alike = row.iter().all(|site| *site == row[0]);
-            sites_of_point.push_row(row[..if alike { 1 } else { row.len() }].iter().copied());
+        for &(_, vertex) in slots.iter().filter(|(slot, _)| *slot == NO_SLOT) {
+            result.site_of_vertex[vertex as usize] = result.rest.len() as u32;
+            result.push(of_vertex, vertex as usize, rest);
         }
-        Self {
-            influences: of_site,
-            rest: first_vertex.iter().map(|&vertex| rest[vertex]).collect(),
-            split: Some(Split { site_of_vertex, sites_of_point }),
+        if shares.iter().any(|share| *share != 1.0) {
+            shares.shrink_to_fit();
+            result.shares = shares;
         }
+        result.influences.shrink();
+        result.rest.shrink_to_fit();
+        result
+    }
+
+    fn push(&mut self, of_vertex: &Influences, vertex: usize, rest: &[DVec3]) {
+        let (bones, weights) = of_vertex.of(vertex);
+        self.influences.bones.extend_from_slice(bones);
+        self.influences.weights.extend_from_slice(weights);
+        self.influences.offsets.push(self.influences.bones.len() as u32);
+        if !of_vertex.mask.is_empty() {
+            self.influences.mask.push(of_vertex.mask[vertex]);
+        }
+        self.rest.push(lanes::from(rest[vertex]));
     }
 
     pub fn len(&self) -> usize {
         self.rest.len()
     }
 
-    #[inline]
-    pub fn site_of_vertex(&self, vertex: usize) -> usize {
-        self.split.as_ref().map_or(vertex, |split| split.site_of_vertex[vertex] as usize)
+    /// Sites of the point in a slot.
+    #[inline(always)]
+    pub fn of_slot(&self, slot: usize) -> Range<usize> {
+        self.offsets[slot] as usize..self.offsets[slot + 1] as usize
     }
 
-    /// True when sites and points are the same.
-    pub fn is_identity(&self) -> bool {
-        self.split.is_none()
+    /// Part of its point.
+    #[inline(always)]
+    pub fn share(&self, site: usize) -> f64 {
+        self.shares.get(site).copied().unwrap_or(1.0)
     }
 
-    /// Mean over the sites of a point of any quantity per site.
-    #[inline]
-    pub fn mean(&self, point: usize, of_site: impl Fn(usize) -> DVec3) -> DVec3 {
-        match &self.split {
-            None => of_site(point),
-            Some(split) => match split.sites_of_point.row(point) {
-                [site] => of_site(*site as usize),
-                sites => sites.iter().map(|&site| of_site(site as usize)).sum::<DVec3>() / sites.len() as f64,
-            },
+    /// True where some point has several sites.
+    pub fn is_split(&self) -> bool {
+        !self.shares.is_empty()
+    }
+
+    /// Mean over the sites of a slot of any quantity per site.
+    #[inline(always)]
+    pub fn mean(&self, slot: usize, of_site: impl Fn(usize) -> V4) -> V4 {
+        let mut sites = self.of_slot(slot);
+        if sites.len() == 1 {
+            return of_site(sites.start);
         }
-    }
-
-    /// Calls `visit(site, share)` for the sites of a point; shares sum to 1.
-    pub fn visit(&self, point: usize, mut visit: impl FnMut(usize, f64)) {
-        match &self.split {
-            None => visit(point, 1.0),
-            Some(split) => {
-                let sites = split.sites_of_point.row(point);
-                for &site in sites {
-                    visit(site as usize, 1.0 / sites.len() as f64);
-                }
-            }
-        }
-    }
-
-    /// Largest distance between the sites of one point.
-    pub fn largest_gap(&self, positions: &[DVec3]) -> f64 {
-        let Some(split) = &self.split else { return 0.0 };
-        let mut gap = 0.0f64;
-        for sites in split.sites_of_point.rows().filter(|sites| sites.len() > 1) {
-            for &site in &sites[1..] {
-                gap = gap.max(positions[site as usize].distance_squared(positions[sites[0] as usize]));
-            }
-        }
-        gap.sqrt()
+        let first = sites.next().map_or(lanes::ZERO, |site| scale(of_site(site), self.share(site)));
+        sites.fold(first, |sum, site| add_scaled(sum, of_site(site), self.share(site)))
     }
 
     pub fn memory_bytes(&self) -> usize {
-        let split = self.split.as_ref().map_or(0, |s| size_of_val(&*s.site_of_vertex) + s.sites_of_point.memory_bytes());
-        self.influences.memory_bytes() + size_of_val(&*self.rest) + split
+        self.influences.memory_bytes()
+            + size_of_val(&*self.rest)
+            + size_of_val(&*self.site_of_vertex)
+            + size_of_val(&*self.offsets)
+            + size_of_val(&*self.shares)
     }
 }

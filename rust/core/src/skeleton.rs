@@ -184,8 +184,15 @@ impl JointTree {
         std::iter::successors((joint < self.len()).then_some(joint), |&j| self.parent(j))
     }
 
-    pub fn is_below(&self, joint: usize, ancestor: usize) -> bool {
-        ancestor == self.world() || (ancestor..self.ends[ancestor] as usize).contains(&joint)
+    /// Joints directly below each joint.
+    pub fn children(&self) -> Vec<Vec<usize>> {
+        let mut children = vec![Vec::new(); self.len()];
+        for joint in 0..self.len() {
+            if let Some(parent) = self.parent(joint) {
+                children[parent].push(joint);
+            }
+        }
+        children
     }
 
     /// Nearest joint (or the world) that both are below.
@@ -202,21 +209,6 @@ impl JointTree {
             }
         }
         a
-    }
-
-    /// What each bone follows before joint `joint` turns, with all earlier joints turned (MATH §3).
-    pub fn stage_before(&self, joint: usize) -> Vec<u16> {
-        (0..=self.len())
-            .map(|bone| {
-                if bone == self.world() {
-                    bone as u16
-                } else if self.is_below(bone, joint) {
-                    self.parents[joint]
-                } else {
-                    self.chain(bone).find(|&j| j < joint).unwrap_or(self.world()) as u16
-                }
-            })
-            .collect()
     }
 }
 

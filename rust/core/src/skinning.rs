@@ -5,11 +5,12 @@ use rayon::prelude::*;
 
 use crate::dual_quaternion::{Blend, DualQuaternion};
 use crate::error::{Error, Result, check_finite, check_indices, check_offsets};
+use crate::lanes::{self, V4, add_scaled, sub, transform};
 use crate::skeleton::Skeleton;
 
 /// A vertex whose weights sum to this or less is left alone, as Blender does.
 const WEIGHT_SUM_MIN: f64 = 1e-4;
-/// Vertices per parallel piece; fixed, so that no sum depends on the number of threads.
+/// Vertices per parallel piece, at least.
 pub(crate) const CHUNK: usize = 1024;
 
 /// How bones are blended.
@@ -144,14 +145,14 @@ impl Skinning {
         check_pose(pose, &mut channels)?;
         let object = check_object(object_from_armature)?;
         let mut palette = Palette::new(self.mode, channels.len() + 1);
-        palette.armature_from_rest = object.inverse();
+        palette.place(object.inverse(), DVec3::ZERO);
         for (bone, channel) in channels.iter().enumerate() {
-            palette.set(bone, &self.skeleton.rest()[bone], channel);
+            palette.set(bone, &self.skeleton.rest()[bone], channel, None);
         }
-        palette.set(channels.len(), &DAffine3::IDENTITY, &DAffine3::IDENTITY);
-        let mut result = vec![DVec3::ZERO; positions.len()];
-        palette.skin_all(&self.influences, positions, &mut result);
-        result.par_iter_mut().for_each(|p| *p = object.transform_point3(*p));
+        palette.set(channels.len(), &DAffine3::IDENTITY, &DAffine3::IDENTITY, None);
+        let skin =
+            |(vertex, &p): (usize, &DVec3)| object.transform_point3(lanes::to(palette.skin(&self.influences, vertex, lanes::from(p))));
+        let result = positions.par_iter().enumerate().with_min_len(CHUNK).map(skin).collect();
         Ok(result)
     }
 }
@@ -198,29 +199,20 @@ pub(crate) fn affine(m: &DMat4) -> DAffine3 {
     DAffine3 { matrix3: DMat3::from_mat4(*m), translation: m.w_axis.truncate() }
 }
 
-/// Columns of an affine map in one run of numbers: sums of them vectorise.
-pub(crate) type Columns = [f64; 12];
+/// An affine map: images of the axes, and of 0.
+pub(crate) type Columns = [V4; 4];
 
-#[inline]
 pub(crate) fn columns(m: &DAffine3) -> Columns {
-    m.to_cols_array()
-}
-
-#[inline]
-fn transform(m: &Columns, p: DVec3) -> DVec3 {
-    DVec3::new(
-        m[0] * p.x + m[3] * p.y + m[6] * p.z + m[9],
-        m[1] * p.x + m[4] * p.y + m[7] * p.z + m[10],
-        m[2] * p.x + m[5] * p.y + m[8] * p.z + m[11],
-    )
+    [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis, m.translation].map(lanes::from)
 }
 
 /// Motions of one frame, by index: bones, the world bone, and whatever a solver adds.
 #[derive(Debug, Clone)]
 pub(crate) struct Palette {
-    mode: Mode,
+    pub mode: Mode,
     /// Rest position to armature space.
-    pub armature_from_rest: DAffine3,
+    armature_from_rest: DAffine3,
+    armature_columns: Columns,
     /// Subtracted from skinned positions: sums are taken about it.
     pub origin: DVec3,
     linear: Vec<Columns>,
@@ -232,17 +224,26 @@ impl Palette {
         Self {
             mode,
             armature_from_rest: DAffine3::IDENTITY,
+            armature_columns: columns(&DAffine3::IDENTITY),
             origin: DVec3::ZERO,
             linear: vec![columns(&DAffine3::IDENTITY); count],
             dual: vec![DualQuaternion::IDENTITY; if mode == Mode::DualQuaternion { count } else { 0 }],
         }
     }
 
-    /// Sets a motion: `channel` = pose · rest⁻¹ in armature space. `armature_from_rest` and `origin` come first.
-    pub fn set(&mut self, index: usize, rest: &DAffine3, channel: &DAffine3) {
+    /// Where rest positions lie, and the origin of results: before any motion is set.
+    pub fn place(&mut self, armature_from_rest: DAffine3, origin: DVec3) {
+        self.armature_from_rest = armature_from_rest;
+        self.armature_columns = columns(&armature_from_rest);
+        self.origin = origin;
+    }
+
+    /// Sets a motion: `channel` = pose · rest⁻¹ in armature space, its rotation on the side of motion `reference`.
+    pub fn set(&mut self, index: usize, rest: &DAffine3, channel: &DAffine3, reference: Option<usize>) {
         let mut motion = *channel;
         if self.mode == Mode::DualQuaternion {
-            self.dual[index] = DualQuaternion::new(rest, channel);
+            let own = DualQuaternion::new(rest, channel);
+            self.dual[index] = reference.map_or(own, |r| own.aligned_with(&self.dual[r]));
             motion = self.dual[index].to_affine();
         }
         let mut whole = motion * self.armature_from_rest;
@@ -251,56 +252,59 @@ impl Palette {
     }
 
     /// Rest position to (armature space − origin) of a point that follows one motion alone.
-    #[inline]
+    #[inline(always)]
     pub fn alone(&self, index: usize) -> &Columns {
         &self.linear[index]
     }
 
-    /// Skins one vertex; `stage` maps its bones to motions. Result in armature space − origin.
-    #[inline]
-    pub fn skin(&self, influences: &Influences, vertex: usize, p: DVec3, stage: impl Fn(u16) -> usize) -> DVec3 {
+    #[inline(always)]
+    pub fn dual(&self, index: usize) -> &DualQuaternion {
+        &self.dual[index]
+    }
+
+    /// A rest position in armature space.
+    #[inline(always)]
+    pub fn in_armature(&self, p: V4) -> V4 {
+        transform(&self.armature_columns, p)
+    }
+
+    /// Skins one vertex. Result in armature space − origin.
+    #[inline(always)]
+    pub fn skin(&self, influences: &Influences, vertex: usize, p: V4) -> V4 {
         let (bones, weights) = influences.of(vertex);
         if let [bone] = bones {
-            let moved = transform(&self.linear[stage(*bone)], p);
+            let moved = transform(&self.linear[usize::from(*bone)], p);
             return if influences.mask.is_empty() { moved } else { self.masked(influences.mask(vertex), p, moved) };
         }
         match self.mode {
             Mode::Linear => {
-                let mut sum = [0.0; 12];
+                let mut sum = [lanes::ZERO; 4];
                 for (&bone, &weight) in bones.iter().zip(weights) {
-                    let m = &self.linear[stage(bone)];
-                    for i in 0..12 {
-                        sum[i] += weight * m[i];
+                    let m = &self.linear[usize::from(bone)];
+                    for i in 0..4 {
+                        sum[i] = add_scaled(sum[i], m[i], weight);
                     }
                 }
                 transform(&sum, p)
             }
             Mode::DualQuaternion => {
-                let x = self.armature_from_rest.transform_point3(p);
-                let mut blend = Blend::default();
+                let x = self.in_armature(p);
+                let mut blend = Blend::NONE;
                 for (&bone, &weight) in bones.iter().zip(weights) {
-                    blend.add(&self.dual[stage(bone)], weight, x);
+                    blend.add(&self.dual[usize::from(bone)], weight, x);
                 }
-                self.masked(influences.mask(vertex), p, blend.transform(x) - self.origin)
+                self.masked(influences.mask(vertex), p, sub(blend.transform(x), lanes::from(self.origin)))
             }
         }
     }
 
-    #[inline]
-    fn masked(&self, mask: f64, p: DVec3, moved: DVec3) -> DVec3 {
+    /// Part of the way from where the armature leaves a point alone to `moved`.
+    #[inline(always)]
+    pub fn masked(&self, mask: f64, p: V4, moved: V4) -> V4 {
         if mask == 1.0 {
             return moved;
         }
-        let still = self.armature_from_rest.transform_point3(p) - self.origin;
-        still + (moved - still) * mask
-    }
-
-    /// Skins all vertices in their final motion.
-    pub fn skin_all(&self, influences: &Influences, rest: &[DVec3], skinned: &mut [DVec3]) {
-        skinned.par_chunks_mut(CHUNK).zip(rest.par_chunks(CHUNK)).enumerate().for_each(|(chunk, (skinned, rest))| {
-            for (i, (q, &p)) in skinned.iter_mut().zip(rest).enumerate() {
-                *q = self.skin(influences, chunk * CHUNK + i, p, usize::from);
-            }
-        });
+        let still = sub(self.in_armature(p), lanes::from(self.origin));
+        add_scaled(still, sub(moved, still), mask)
     }
 }

@@ -7,12 +7,11 @@ use glam::DVec3;
 
 use crate::csr::Csr;
 use crate::joint::Joint;
+use crate::patches::{LANES, Patches};
 use crate::profile::BELL_WIDTH;
 use crate::sites::Sites;
 use crate::skeleton::JointTree;
-use crate::skinning::CHUNK;
-use crate::topology::{NO_COMPONENT, Topology};
-use crate::volume_loss::Job;
+use crate::volume_loss::{Job, find_job};
 
 /// Reach at rest, in joint lengths.
 const REACH: f64 = 1.25;
@@ -20,24 +19,20 @@ const REACH: f64 = 1.25;
 const LENGTH_MIN: f64 = 1.0 / BELL_WIDTH;
 /// …and at most this many times, so that a correction stays at its joint on long thin limbs.
 const LENGTH_MAX: f64 = 2.0 * LENGTH_MIN;
+/// Skin with less weight than this is not of the joint: stray weights would only make supports larger.
+const STRAY_WEIGHT: f64 = 0.02;
 
-/// One joint's hold on one point.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Hold {
-    /// Index into the jobs of the point's chunk.
-    pub slot: u16,
-    /// Vicinity in 0..1, over the point's rest area (MATH §2, density).
-    pub weight: f32,
-}
-
-/// Holds of all points.
+/// Weights of all joints on all points.
 #[derive(Debug, Clone)]
 pub(crate) struct Supports {
-    pub holds: Csr<Hold>,
-    /// Jobs that appear in each chunk of points.
-    pub jobs_of_chunk: Csr<u32>,
-    /// Sound components that appear in each chunk.
-    pub components_of_chunk: Csr<u32>,
+    /// Jobs that hold anything in each patch.
+    pub jobs_of_patch: Csr<u32>,
+    /// Per patch and one past the last: where its weights start, one row of padded slots per job.
+    pub weight_offsets: Vec<u32>,
+    /// As many zeros: offsets of rows that are not there.
+    pub no_weights: Vec<u32>,
+    /// Vicinity in 0..1, over the point's rest area (MATH §2, density).
+    pub weights: Vec<f32>,
     /// Job that gives back each job's loss: itself, else the nearest above that holds anything; `None`: the whole shell.
     pub heirs: Vec<Option<u32>>,
     /// Length of each joint, armature space: the unit of its profiles. 0: no extent, no support.
@@ -45,9 +40,9 @@ pub(crate) struct Supports {
 }
 
 impl Supports {
-    /// `rest` per site and `inverse_areas` per point in armature space; `settings` per joint.
+    /// `rest` per site in armature space, `inverse_areas` per slot, `settings` per joint.
     pub fn new(
-        topology: &Topology,
+        patches: &Patches,
         sites: &Sites,
         tree: &JointTree,
         jobs: &[Job],
@@ -56,81 +51,66 @@ impl Supports {
         settings: &[Joint],
     ) -> Self {
         let lengths: Vec<f64> = automatic_lengths(tree, sites, rest).iter().zip(settings).map(|(l, s)| l * s.size).collect();
-        let mut children: Vec<Vec<usize>> = vec![Vec::new(); tree.len()];
-        for joint in 0..tree.len() {
-            if let Some(parent) = tree.parent(joint) {
-                children[parent].push(joint);
-            }
-        }
-        let mut holds = Csr::default();
-        let mut jobs_of_chunk = Csr::default();
-        let mut components_of_chunk = Csr::default();
+        let children = tree.children();
+        let mut jobs_of_patch = Csr::default();
+        let mut weight_offsets = vec![0];
+        let mut weights: Vec<f32> = Vec::new();
         let mut has_hold = vec![false; jobs.len()];
         let mut near: Vec<(usize, f64)> = Vec::new();
-        for chunk in 0..topology.point_count.div_ceil(CHUNK) {
-            let mut chunk_jobs: Vec<u32> = Vec::new();
-            let mut chunk_components: Vec<u32> = Vec::new();
-            let points = chunk * CHUNK..((chunk + 1) * CHUNK).min(topology.point_count);
-            for (point, &inverse_area) in points.clone().zip(&inverse_areas[points]) {
-                let component = topology.component_of_point[point];
-                let sound = component != NO_COMPONENT && topology.components[component as usize].is_sound();
-                if !sound || inverse_area <= 0.0 {
-                    holds.push_row([]);
-                    continue;
-                }
-                if !chunk_components.contains(&component) {
-                    chunk_components.push(component);
-                }
+        let mut rows: Vec<(u32, Vec<f32>)> = Vec::new();
+        for patch in &patches.list {
+            let padded = patch.owned.next_multiple_of(LANES);
+            rows.clear();
+            for (place, slot) in (patch.start..patch.start + patch.owned).enumerate() {
+                let mut rest_place = DVec3::ZERO;
                 near.clear();
-                let mut place = DVec3::ZERO;
-                sites.visit(point, |site, share| {
-                    place += rest[site] * share;
-                    let (bones, weights) = sites.influences.of(site);
-                    for (&bone, &weight) in bones.iter().zip(weights) {
-                        vicinity(tree, &children, bone as usize, |joint| near.push((joint, weight * share)));
+                for site in sites.of_slot(slot) {
+                    rest_place += rest[site] * sites.share(site);
+                    let (bones, influences) = sites.influences.of(site);
+                    for (&bone, &weight) in bones.iter().zip(influences) {
+                        vicinity(tree, &children, usize::from(bone), |joint| near.push((joint, weight * sites.share(site))));
                     }
-                });
+                }
                 near.sort_by_key(|n| n.0);
-                let mut row = Vec::new();
                 for same in near.chunk_by(|a, b| a.0 == b.0) {
                     let joint = same[0].0;
-                    let belongs = same.iter().map(|n| n.1).sum::<f64>().min(1.0);
-                    let distance = place.distance(tree.heads[joint]) / (REACH * lengths[joint]);
-                    if distance >= 1.0 || distance.is_nan() {
+                    let distance = rest_place.distance(tree.heads[joint]) / (REACH * lengths[joint]);
+                    let belongs = (same.iter().map(|n| n.1).sum::<f64>() - STRAY_WEIGHT) / (1.0 - STRAY_WEIGHT);
+                    if distance >= 1.0 || distance.is_nan() || belongs <= 0.0 {
                         continue;
                     }
-                    let weight = belongs * belongs * (3.0 - 2.0 * belongs) * (1.0 - distance * distance).powi(2);
-                    let Ok(job) = jobs.binary_search(&Job { joint: joint as u32, component }) else { continue };
-                    let weight = weight as f32 * inverse_area;
+                    let belongs = belongs.min(1.0);
+                    let vicinity = belongs * belongs * (3.0 - 2.0 * belongs) * (1.0 - distance * distance).powi(2);
+                    let weight = vicinity as f32 * inverse_areas[slot];
+                    let Some(job) = find_job(jobs, joint, patch.component) else { continue };
                     if weight <= 0.0 || !weight.is_finite() {
                         continue;
                     }
-                    has_hold[job] = true;
-                    let slot = chunk_jobs.iter().position(|&j| j == job as u32).unwrap_or_else(|| {
-                        chunk_jobs.push(job as u32);
-                        chunk_jobs.len() - 1
+                    let row = rows.iter().position(|r| r.0 == job).unwrap_or_else(|| {
+                        rows.push((job, vec![0.0; padded]));
+                        rows.len() - 1
                     });
-                    row.push(Hold { slot: slot as u16, weight });
+                    rows[row].1[place] = weight;
                 }
-                holds.push_row(row);
             }
-            jobs_of_chunk.push_row(chunk_jobs);
-            components_of_chunk.push_row(chunk_components);
+            rows.sort_by_key(|row| row.0);
+            for (job, row) in &rows {
+                has_hold[*job as usize] = true;
+                weights.extend_from_slice(row);
+            }
+            weight_offsets.push(weights.len() as u32);
+            jobs_of_patch.push_row(rows.iter().map(|row| row.0));
         }
+        weights.shrink_to_fit();
         let heirs = jobs
             .iter()
-            .map(|job| {
-                tree.chain(job.joint as usize)
-                    .filter_map(|j| jobs.binary_search(&Job { joint: j as u32, component: job.component }).ok())
-                    .find(|&j| has_hold[j])
-                    .map(|j| j as u32)
-            })
+            .map(|job| tree.chain(job.joint as usize).filter_map(|j| find_job(jobs, j, job.component)).find(|&j| has_hold[j as usize]))
             .collect();
-        Self { holds, jobs_of_chunk, components_of_chunk, heirs, lengths }
+        Self { jobs_of_patch, no_weights: vec![0; weight_offsets.len()], weight_offsets, weights, heirs, lengths }
     }
 
     pub fn memory_bytes(&self) -> usize {
-        self.holds.memory_bytes() + self.jobs_of_chunk.memory_bytes() + size_of_val(&*self.heirs) + size_of_val(&*self.lengths)
+        self.jobs_of_patch.memory_bytes() + size_of_val(&*self.weights) + size_of_val(&*self.heirs) + size_of_val(&*self.lengths)
     }
 }
 
@@ -155,7 +135,7 @@ fn automatic_lengths(tree: &JointTree, sites: &Sites, rest: &[DVec3]) -> Vec<f64
         let (bones, weights) = sites.influences.of(site);
         below.clear();
         for (&bone, &weight) in bones.iter().zip(weights) {
-            below.extend(tree.chain(bone as usize).map(|joint| (joint, weight)));
+            below.extend(tree.chain(usize::from(bone)).map(|joint| (joint, weight)));
         }
         below.sort_by_key(|b| b.0);
         for same in below.chunk_by(|a, b| a.0 == b.0) {

@@ -2,24 +2,6 @@
 
 use glam::DVec3;
 
-/// Twice the area vector of a triangle.
-#[inline]
-pub(crate) fn triangle_cross(p: [DVec3; 3]) -> DVec3 {
-    (p[1] - p[0]).cross(p[2] - p[0])
-}
-
-/// Volume of a triangle's tetrahedron with the origin, times 6.
-#[inline]
-pub(crate) fn triangle_volume6(p: [DVec3; 3]) -> f64 {
-    p[0].dot(triangle_cross(p))
-}
-
-/// Volume under a bilinear quad with the origin, times 24.
-#[inline]
-pub(crate) fn quad_volume24(p: [DVec3; 4]) -> f64 {
-    (p[0] + p[1] + p[2] + p[3]).dot((p[2] - p[0]).cross(p[3] - p[1]))
-}
-
 /// Corner mean and twice the area vector of a polygon, from its corners in order.
 #[inline]
 pub(crate) fn polygon_mean_and_cross(corners: impl ExactSizeIterator<Item = DVec3> + Clone) -> (DVec3, DVec3) {
@@ -57,15 +39,6 @@ pub(crate) fn face_volume(points: &[DVec3], face: &[u32], origin: DVec3) -> f64 
 pub struct VolumeCubic(pub [f64; 4]);
 
 impl VolumeCubic {
-    /// Adds a face's mean and cross product as polynomials: mean m0 + t·m1, cross c0 + t·c1 + t²·c2.
-    #[inline]
-    pub(crate) fn add(&mut self, mean: [DVec3; 2], cross: [DVec3; 3], scale: f64) {
-        self.0[0] += scale * mean[0].dot(cross[0]);
-        self.0[1] += scale * (mean[1].dot(cross[0]) + mean[0].dot(cross[1]));
-        self.0[2] += scale * (mean[1].dot(cross[1]) + mean[0].dot(cross[2]));
-        self.0[3] += scale * mean[1].dot(cross[2]);
-    }
-
     /// Adds another part of the same surface.
     #[inline]
     pub(crate) fn join(&mut self, other: &Self) {

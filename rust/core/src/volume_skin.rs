@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::binding::Binding;
 use crate::error::{Error, Result, check_finite};
-use crate::frame::{Pose, Workspace};
+use crate::frame::{Pass, Pose, Workspace};
 use crate::joint::Joint;
 use crate::report::Report;
 use crate::skinning::{CHUNK, Skinning, check_object};
@@ -58,7 +58,7 @@ impl VolumeSkin {
     /// # Errors
     /// Lengths that do not match, values that are not finite, an object matrix without inverse, joints named twice.
     pub fn bind(
-        topology: Topology,
+        topology: &Topology,
         rest: &[DVec3],
         skinning: &Skinning,
         joints: &[Joint],
@@ -118,11 +118,6 @@ impl VolumeSkin {
         &self.supports.lengths
     }
 
-    /// Surface as bound.
-    pub fn topology(&self) -> &Topology {
-        &self.binding.topology
-    }
-
     /// Memory of the binding and one workspace.
     pub fn memory_bytes(&self) -> usize {
         self.binding.memory_bytes() + self.supports.memory_bytes() + self.workspace().memory_bytes()
@@ -130,7 +125,7 @@ impl VolumeSkin {
 
     /// New buffers.
     pub fn workspace(&self) -> Workspace {
-        Workspace::new(&self.binding, &self.supports)
+        Workspace::new(&self.binding, &self.supports, &self.joints)
     }
 
     /// Skins and corrects one frame; results are read from the workspace, which must be of this very `VolumeSkin`.
@@ -139,44 +134,44 @@ impl VolumeSkin {
     /// # Errors
     /// A pose that is not finite or of another skeleton, an object matrix without inverse. The workspace is then stale.
     pub fn deform<'w>(&self, pose: &Pose, workspace: &'w mut Workspace) -> Result<&'w Report> {
+        workspace.take(&self.binding, pose, self.options.keep_bone_scale)?;
+        // One hop to the thread pool, not one for every sweep.
+        rayon::scope(|_| self.correct(pose, workspace));
+        Ok(&workspace.report)
+    }
+
+    fn correct(&self, pose: &Pose, workspace: &mut Workspace) {
         let (binding, supports, settings) = (&*self.binding, &*self.supports, &**self.joints);
-        workspace.take(binding, pose, self.options.keep_bone_scale)?;
         workspace.skin(binding);
         workspace.measure(binding, supports, settings, pose);
-        workspace.hold(binding, supports, settings, true);
+        workspace.hold(binding, supports, settings, Pass::All);
         workspace.solve(binding, settings);
-        workspace.apply(binding, supports);
+        workspace.apply(binding, supports, settings);
         if self.options.solver == Solver::Sequential {
             workspace.apply_in_order(binding, supports, settings);
         }
-        workspace.remove_residual(binding);
+        workspace.remove_residual(binding, supports, settings);
+        workspace.finish(binding);
         workspace.fill_report(binding);
-        Ok(&workspace.report)
     }
 
     /// Writes corrected − skinned of every vertex, object space, after `deform`.
     pub fn write_offsets(&self, workspace: &Workspace, offsets: &mut [[f32; 3]]) {
-        let topology = &self.binding.topology;
-        let to_object = workspace.object.matrix3;
-        offsets.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, offsets)| {
-            for (i, offset) in offsets.iter_mut().enumerate() {
-                let point = topology.point_of_vertex[chunk * CHUNK + i] as usize;
-                let u = to_object * (workspace.corrected[point] - workspace.points[point]);
-                *offset = u.as_vec3().to_array();
-            }
+        let slots = self.binding.slot_of_vertex.par_iter().with_min_len(CHUNK);
+        offsets.par_iter_mut().with_min_len(CHUNK).zip(slots).for_each(|(offset, &slot)| {
+            *offset = workspace.displacements.get(slot as usize).copied().unwrap_or_default();
         });
     }
 
     /// Skinned and corrected positions of every vertex, object space, after `deform`.
     pub fn positions(&self, workspace: &Workspace) -> (Vec<DVec3>, Vec<DVec3>) {
-        let origin = workspace.motions.palette.origin;
-        let object = |p: DVec3| workspace.object.transform_point3(p + origin);
-        let sites = workspace.skinned_sites();
-        let vertices = self.binding.topology.point_of_vertex.iter().enumerate();
+        let displacements = workspace.displacements_in_full(&self.binding);
+        let object = |p: DVec3| workspace.object.transform_point3(p);
+        let vertices = self.binding.slot_of_vertex.iter().zip(&self.binding.sites.site_of_vertex);
         vertices
-            .map(|(vertex, &point)| {
-                let skinned = sites[self.binding.sites.site_of_vertex(vertex)];
-                let moved = workspace.corrected[point as usize] - workspace.points[point as usize];
+            .map(|(&slot, &site)| {
+                let skinned = workspace.skinned_site(&self.binding, site as usize);
+                let moved = displacements.get(slot as usize).copied().unwrap_or_default();
                 (object(skinned), object(skinned + moved))
             })
             .unzip()

@@ -81,8 +81,11 @@ impl VolumeSkin {
             let lock = || self.workspaces.lock().unwrap_or_else(PoisonError::into_inner);
             let spare = lock().pop();
             let mut workspace = spare.unwrap_or_else(|| self.inner.workspace());
-            let report = self.inner.deform(&pose.pose(), &mut workspace).cloned();
-            let result = report.map(|report| (finish(&workspace), report));
+            // One hop to the thread pool for all of the frame.
+            let result = rayon::scope(|_| {
+                let report = self.inner.deform(&pose.pose(), &mut workspace)?.clone();
+                Ok((finish(&workspace), report))
+            });
             lock().push(workspace);
             result.map_err(refused)
         })
@@ -123,7 +126,7 @@ impl VolumeSkin {
         let joints = joint_settings(joints);
         let mesh = Arc::clone(&mesh.inner);
         let inner = py
-            .detach(|| turgor::VolumeSkin::bind(mesh.topology().clone(), mesh.rest(), &skinning.inner, &joints, options, &deltas, &object))
+            .detach(|| turgor::VolumeSkin::bind(mesh.topology(), mesh.rest(), &skinning.inner, &joints, options, &deltas, &object))
             .map_err(refused)?;
         Ok(Self::wrap(inner, mesh))
     }

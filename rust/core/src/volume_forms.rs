@@ -1,0 +1,344 @@
+//! Losses under linear skinning in closed form: no vertex is touched in a frame.
+//!
+//! A linearly skinned point is `q = K p + Σ s D p`, the sum over joints: K the motion of the joint above, s the weight of all that
+//! hangs on a joint, D what the joint does that its parent does not. So q is a sum of fixed numbers times the columns of these maps,
+//! and the volume, three times linear in q, is a sum of fixed numbers times determinants of three such columns. Turning
+//! joints on one after the other adds the terms whose last joint it is: each loss is a few hundred products, whatever
+//! the number of vertices.
+
+use std::collections::{BTreeMap, HashSet};
+
+use multiversion::multiversion;
+use rayon::prelude::*;
+
+use crate::csr::Csr;
+use crate::lanes::{self, V4, add, add_scaled, cross, mul, sub, transform};
+use crate::motions::Motions;
+use crate::skinning::Columns;
+use crate::sweeps::mean_and_cross;
+use crate::volume_loss::{Anatomy, Bodies, Change, FaceJoints, Job, Moment, find_job};
+
+/// More numbers than this per point of the mesh are no gain over sweeping it.
+const NUMBERS_PER_POINT: usize = 24;
+/// Small meshes may have this many in any case.
+const NUMBERS_MIN: usize = 1 << 14;
+/// Place of the joint above in a block.
+const TOP: u16 = u16::MAX;
+
+/// Columns of an affine map, and the image of the joint's own place.
+type Span = [V4; 4];
+
+/// What one joint adds to one body when it turns: the blocks whose last joint it is.
+#[derive(Debug, Clone, Copy)]
+struct Turn {
+    job: u32,
+    top: u16,
+    joint: u16,
+}
+
+/// Joints of three factors, earlier first, the last of them the turn's, and where the numbers start.
+#[derive(Debug, Clone, Copy)]
+struct Block {
+    first: u16,
+    second: u16,
+    start: u32,
+}
+
+/// Volume of a mesh as a form in the maps of its joints.
+#[derive(Debug, Clone)]
+pub(crate) struct VolumeForms {
+    turns: Vec<Turn>,
+    /// Per turn.
+    blocks: Csr<Block>,
+    numbers: Vec<f64>,
+    /// Per joint and for the world, the point about which its functions are taken, rest space.
+    centres: Vec<V4>,
+}
+
+/// Spans and results of one frame.
+#[derive(Debug, Clone)]
+pub(crate) struct FormBuffers {
+    /// Per joint and for the world.
+    whole: Vec<Span>,
+    /// Per joint: what it does that its parent does not; then without its turn.
+    added: Vec<Span>,
+    stretched: Vec<Span>,
+    changes: Vec<Change>,
+}
+
+/// Triples of functions of three joints that a block holds: of one joint each pair or triple once.
+fn functions(first: u16, second: u16, third: u16) -> impl Iterator<Item = [usize; 3]> {
+    (0..4)
+        .flat_map(move |c| (0..4).flat_map(move |b| (0..4).map(move |a| [a, b, c])))
+        .filter(move |&[a, b, c]| (first != second || a < b) && (second != third || b < c))
+}
+
+/// Numbers of a block.
+fn block_size(first: u16, second: u16, third: u16) -> usize {
+    match (first == second, second == third) {
+        (true, true) => 4,
+        (false, false) => 64,
+        _ => 24,
+    }
+}
+
+impl VolumeForms {
+    /// `None` where weights mix too many joints for this to pay. Fills `bodies` with the faces under each joint.
+    pub fn new(anatomy: &Anatomy, jobs: &[Job], bodies: &mut Bodies) -> Option<Self> {
+        let Anatomy { topology, joints, .. } = *anatomy;
+        let mut faces: Vec<(u32, u32, u32)> =
+            topology.component_of_face.iter().zip(&joints.tops).zip(0..).map(|((&c, &top), face)| (c, top, face)).collect();
+        faces.sort_unstable();
+        let groups: Vec<&[(u32, u32, u32)]> = faces.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).collect();
+        let limit = NUMBERS_MIN.max(NUMBERS_PER_POINT * topology.point_count);
+        if !is_sparse(&groups, joints, limit) {
+            return None;
+        }
+        let filled: Vec<Filled> = groups.par_iter().map(|group| fill(anatomy, group)).collect();
+        let (mut turns, mut blocks, mut numbers) = (Vec::new(), Csr::default(), Vec::new());
+        for (group, filled) in groups.iter().zip(filled) {
+            let (component, top, _) = group[0];
+            bodies.push(component, top, filled.moment);
+            let keys: Vec<[u16; 3]> = filled.numbers.keys().copied().collect();
+            for same in keys.chunk_by(|a, b| a[0] == b[0]) {
+                let joint = same[0][0];
+                let Some(job) = find_job(jobs, usize::from(joint), component) else { continue };
+                turns.push(Turn { job, top: top as u16, joint });
+                blocks.push_row(same.iter().map(|key| {
+                    let start = numbers.len() as u32;
+                    numbers.extend_from_slice(&filled.numbers[key]);
+                    Block { first: key[2], second: key[1], start }
+                }));
+            }
+        }
+        numbers.shrink_to_fit();
+        Some(Self { turns, blocks, numbers, centres: anatomy.heads.to_vec() })
+    }
+
+    pub fn buffers(&self) -> FormBuffers {
+        let joints = self.centres.len() - 1;
+        FormBuffers {
+            whole: vec![[lanes::ZERO; 4]; joints + 1],
+            added: vec![[lanes::ZERO; 4]; joints],
+            stretched: vec![[lanes::ZERO; 4]; joints],
+            changes: vec![Change::default(); self.turns.len()],
+        }
+    }
+
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(&*self.turns) + self.blocks.memory_bytes() + size_of_val(&*self.numbers)
+    }
+
+    /// Adds what turns do to the faces they deform.
+    pub fn measure(&self, motions: &Motions, buffers: &mut FormBuffers, of_job: &mut [Change]) {
+        let palette = &motions.palette;
+        for (joint, (whole, &centre)) in buffers.whole.iter_mut().zip(&self.centres).enumerate() {
+            *whole = span(palette.alone(joint), centre);
+        }
+        for joint in 0..buffers.added.len() {
+            let above = span(palette.alone(usize::from(motions.tree.parents[joint])), self.centres[joint]);
+            let own = buffers.whole[joint];
+            buffers.added[joint] = std::array::from_fn(|i| sub(own[i], above[i]));
+            if motions.has_intent[joint] {
+                let stretched = span(palette.alone(motions.stretched(joint)), self.centres[joint]);
+                buffers.stretched[joint] = std::array::from_fn(|i| sub(stretched[i], above[i]));
+            }
+        }
+        let FormBuffers { whole, added, stretched, changes } = buffers;
+        changes.par_iter_mut().zip(&self.turns).enumerate().with_min_len(32).for_each(|(index, (change, turn))| {
+            let joint = usize::from(turn.joint);
+            *change = Change::default();
+            if motions.is_still[joint] {
+                return;
+            }
+            let blocks = self.blocks.row(index);
+            let above = &whole[usize::from(turn.top)];
+            let total = gain(blocks, &self.numbers, above, added, turn.joint, &added[joint]);
+            let intent =
+                if motions.has_intent[joint] { gain(blocks, &self.numbers, above, added, turn.joint, &stretched[joint]) } else { 0.0 };
+            *change = Change { intent, loss: intent - total };
+        });
+        for (change, turn) in changes.iter().zip(&self.turns) {
+            of_job[turn.job as usize].join(change);
+        }
+    }
+}
+
+fn span(m: &Columns, centre: V4) -> Span {
+    [m[0], m[1], m[2], transform(m, centre)]
+}
+
+/// Volume that a joint's blocks hold with `last` as its span.
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn gain(blocks: &[Block], numbers: &[f64], above: &Span, added: &[Span], joint: u16, last: &Span) -> f64 {
+    let span_of = |of: u16| match of {
+        TOP => above,
+        of if of == joint => last,
+        of => &added[usize::from(of)],
+    };
+    let mut lanes = lanes::ZERO;
+    for block in blocks {
+        let (first, second) = (span_of(block.first), span_of(block.second));
+        let numbers = &numbers[block.start as usize..];
+        if block.first != block.second && block.second != joint {
+            // The common case, without searching for what is left out.
+            for (c, numbers) in numbers[..64].as_chunks::<16>().0.iter().enumerate() {
+                let mut weighted = [lanes::ZERO; 4];
+                for b in 0..4 {
+                    for a in 0..4 {
+                        weighted[b] = add_scaled(weighted[b], first[a], numbers[4 * b + a]);
+                    }
+                }
+                let mut crossed = lanes::ZERO;
+                for b in 0..4 {
+                    crossed = add(crossed, cross(weighted[b], second[b]));
+                }
+                lanes = add(lanes, mul(crossed, last[c]));
+            }
+        } else {
+            for ([a, b, c], number) in functions(block.first, block.second, joint).zip(numbers) {
+                lanes = add_scaled(lanes, mul(first[a], cross(second[b], last[c])), *number);
+            }
+        }
+    }
+    lanes::sum(lanes)
+}
+
+/// True while no more than `limit` numbers are needed.
+fn is_sparse(groups: &[&[(u32, u32, u32)]], joints: &FaceJoints, limit: usize) -> bool {
+    let mut count = 0;
+    let mut known: HashSet<[u16; 3]> = HashSet::new();
+    let mut sets: HashSet<&[u16]> = HashSet::new();
+    for group in groups {
+        known.clear();
+        sets.clear();
+        for &(_, _, face) in *group {
+            let below = joints.below.row(face as usize);
+            if !sets.insert(below) {
+                continue;
+            }
+            for key in blocks_of(below) {
+                if known.insert(key) {
+                    count += block_size(key[2], key[1], key[0]);
+                    if count > limit {
+                        return false;
+                    }
+                }
+            }
+        }
+    }
+    true
+}
+
+/// Keys (last, second, first) of the blocks of a face: all that a joint below the top is part of.
+fn blocks_of(below: &[u16]) -> impl Iterator<Item = [u16; 3]> {
+    // TOP comes first in the order of turning.
+    let at = |place: usize| if place == 0 { TOP } else { below[place - 1] };
+    (1..=below.len()).flat_map(move |k| (0..=k).flat_map(move |j| (0..=j).map(move |i| [at(k), at(j), at(i)])))
+}
+
+/// What one group of faces adds up to.
+struct Filled {
+    numbers: BTreeMap<[u16; 3], Vec<f64>>,
+    moment: Moment,
+}
+
+/// Sums the numbers of a group of faces under one joint.
+fn fill(anatomy: &Anatomy, group: &[(u32, u32, u32)]) -> Filled {
+    let Anatomy { topology, patches, sites, joints, heads, .. } = *anatomy;
+    let mut numbers: BTreeMap<[u16; 3], Vec<f64>> = BTreeMap::new();
+    let (mut volume, mut area) = (0.0, lanes::ZERO);
+    let mut values: Vec<Vec<V4>> = Vec::new();
+    for &(_, top, face) in group {
+        let below = joints.below.row(face as usize);
+        let slots: Vec<usize> = topology.faces.row(face as usize).iter().map(|&p| patches.slot_of_point[p as usize] as usize).collect();
+        let places: Vec<V4> = slots.iter().map(|&slot| sites.mean(slot, |site| sites.rest[site])).collect();
+        let (mean, twice_area) = mean_and_cross(places.iter().copied());
+        volume += lanes::sum(mul(mean, twice_area)) / 6.0;
+        area = add_scaled(area, twice_area, 0.5);
+        if below.is_empty() {
+            continue;
+        }
+        // Values of the four functions of each joint at each corner, the joint above first.
+        values.clear();
+        values.push(places.iter().map(|&p| about(p, heads[top as usize])).collect());
+        for &joint in below {
+            values.push(slots.iter().map(|&slot| function_values(anatomy, slot, usize::from(joint))).collect());
+        }
+        let keys: Vec<[u16; 3]> = blocks_of(below).collect();
+        for (weight, triple) in cones(slots.len()) {
+            // Per joint and function, its three values on the cone's vectors.
+            let vectors: Vec<[[f64; 3]; 4]> = values
+                .iter()
+                .map(|of_corner| {
+                    let on = triple.each_ref().map(|part| part.of(of_corner));
+                    std::array::from_fn(|f| [on[0][f], on[1][f], on[2][f]])
+                })
+                .collect();
+            let place = |joint: u16| if joint == TOP { 0 } else { 1 + below.partition_point(|&b| b < joint) };
+            for key in &keys {
+                let [third, second, first] = key.map(place);
+                let of_block = numbers.entry(*key).or_insert_with(|| vec![0.0; block_size(key[2], key[1], key[0])]);
+                for (number, [a, b, c]) in of_block.iter_mut().zip(functions(key[2], key[1], key[0])) {
+                    *number += weight * determinant(vectors[first][a], vectors[second][b], vectors[third][c]);
+                }
+            }
+        }
+    }
+    Filled { numbers, moment: (volume, lanes::to(area)) }
+}
+
+/// `s (p − head)` and s at a point, s the weight of the joint and all below.
+fn function_values(anatomy: &Anatomy, slot: usize, joint: usize) -> V4 {
+    let Anatomy { sites, tree, heads, .. } = *anatomy;
+    sites.mean(slot, |site| {
+        let (bones, weights) = sites.influences.of(site);
+        let under = joint..usize::from(tree.ends[joint]);
+        let part: f64 = bones.iter().zip(weights).filter(|(b, _)| under.contains(&usize::from(**b))).map(|(_, w)| w).sum();
+        lanes::scale(about(sites.rest[site], heads[joint]), part)
+    })
+}
+
+fn about(p: V4, centre: V4) -> V4 {
+    let [x, y, z, _] = sub(p, centre);
+    [x, y, z, 1.0]
+}
+
+fn determinant(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
+    a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+}
+
+/// A combination of a face's corners.
+#[derive(Clone, Copy)]
+enum Part {
+    Sum,
+    /// Corner minus corner.
+    Edge(usize, usize),
+    /// Corner minus the mean.
+    Spoke(usize),
+}
+
+impl Part {
+    fn of(self, corners: &[V4]) -> V4 {
+        let all = || corners.iter().copied().fold(lanes::ZERO, add);
+        match self {
+            Self::Sum => all(),
+            Self::Edge(to, from) => sub(corners[to], corners[from]),
+            Self::Spoke(corner) => add_scaled(corners[corner], all(), -1.0 / corners.len() as f64),
+        }
+    }
+}
+
+/// Determinants, with their weights, that sum to the volume of a face with so many corners [MATH §1].
+fn cones(corners: usize) -> Vec<(f64, [Part; 3])> {
+    match corners {
+        3 => vec![(1.0 / 18.0, [Part::Sum, Part::Edge(1, 0), Part::Edge(2, 0)])],
+        4 => vec![(1.0 / 24.0, [Part::Sum, Part::Edge(2, 0), Part::Edge(3, 1)])],
+        _ => (0..corners)
+            .map(|corner| {
+                let previous = (corner + corners - 1) % corners;
+                (1.0 / (6.0 * corners as f64), [Part::Sum, Part::Spoke(previous), Part::Spoke(corner)])
+            })
+            .collect(),
+    }
+}
