@@ -60,7 +60,13 @@ class TurgorCarrier(bpy.types.PropertyGroup):
     target: PointerProperty(type=bpy.types.Object, override=OVERRIDABLE)
 
 
+def _tag(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    """What a script sets without this is not seen until something else changes."""
+    settings.id_data.update_tag()
+
+
 def _remember_source(joint: "TurgorJoint", context: bpy.types.Context) -> None:
+    _tag(joint, context)
     if joint.preset != "CUSTOM":
         joint.curve_source = joint.preset
 
@@ -85,6 +91,7 @@ class TurgorJoint(bpy.types.PropertyGroup):
         soft_max=1.0,
         max=10.0,
         subtype="FACTOR",
+        update=_tag,
         override=OVERRIDABLE,
     )
     size: FloatProperty(
@@ -94,12 +101,14 @@ class TurgorJoint(bpy.types.PropertyGroup):
         min=0.05,
         soft_max=3.0,
         max=20.0,
+        update=_tag,
         override=OVERRIDABLE,
     )
     use_auto_shares: BoolProperty(
         name="Automatic Direction",
         description="Let the preset choose in which direction the skin swells",
         default=True,
+        update=_tag,
         override=OVERRIDABLE,
         options=set(),
     )
@@ -110,6 +119,7 @@ class TurgorJoint(bpy.types.PropertyGroup):
         default=(1 / 3, 1 / 3, 1 / 3),
         min=0.0,
         max=1.0,
+        update=_tag,
         override=OVERRIDABLE,
     )
     # Names of the Float Curve nodes in `TurgorObject.curves`, empty until the preset was Custom once.
@@ -128,13 +138,15 @@ class TurgorObject(bpy.types.PropertyGroup):
         name="Solver",
         description="How the joints share the work",
         items=SOLVERS,
+        update=_tag,
         override=OVERRIDABLE,
         options=set(),
     )
     keep_bone_scale: BoolProperty(
-        name="Bone Scale Moves Volume",
+        name="Follow Bone Scale",
         description="Scaled or stretched bones change the volume to be kept. Off: the rest volume whatever they do",
         default=True,
+        update=_tag,
         override=OVERRIDABLE,
         options=set(),
     )
@@ -146,6 +158,7 @@ class TurgorObject(bpy.types.PropertyGroup):
         soft_min=0.5,
         soft_max=1.5,
         max=100.0,
+        update=_tag,
         override=OVERRIDABLE,
     )
     # The mesh as it was bound: frame at which modifiers before the Armature were read, its topology, and the matrix

@@ -9,9 +9,8 @@ from .operators.add import OBJECT_OT_turgor_volume_add
 from .operators.add import draw as draw_add
 from .operators.rebind import OBJECT_OT_turgor_volume_rebind
 from .operators.remove import OBJECT_OT_turgor_volume_remove
-from .panels.joint import TURGOR_PT_joint
 from .panels.joints import TURGOR_UL_joints
-from .panels.volume import TURGOR_PT_volume
+from .panels.volume import TURGOR_PT_settings, TURGOR_PT_volume
 
 CLASSES = (
     properties.TurgorCarrier,
@@ -23,7 +22,7 @@ CLASSES = (
     OBJECT_OT_turgor_volume_rebind,
     TURGOR_UL_joints,
     TURGOR_PT_volume,
-    TURGOR_PT_joint,
+    TURGOR_PT_settings,
 )
 
 

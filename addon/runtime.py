@@ -28,7 +28,7 @@ class JointFigures:
 
 @dataclass(frozen=True)
 class Figures:
-    """One frame of a character in the viewport. Deviations in percent of the target volume."""
+    """One frame of a character in the viewport. Deviations in percent of the volume at full strength."""
 
     corrected_deviation: float
     skinned_deviation: float

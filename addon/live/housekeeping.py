@@ -32,6 +32,14 @@ def add(target: bpy.types.Object) -> None:
     binding.bind(target, accept_topology=True)
 
 
+def choose_joint(target: bpy.types.Object) -> None:
+    """Make the joint that loses most at this frame the one whose settings are shown."""
+    figures = runtime.character(target.session_uid).figures
+    if figures is not None and figures.joints:
+        worst = max(figures.joints, key=lambda name: abs(figures.joints[name].lost))
+        target.turgor.active_joint = target.turgor.joints.find(worst)
+
+
 def remove(target: bpy.types.Object) -> None:
     """Leave nothing behind: modifier (Blender removes its drivers), carrier, curves, settings, unused node groups."""
     holder = carrier.carrier_of(target)

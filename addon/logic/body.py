@@ -53,7 +53,7 @@ class Body:
 
     def __init__(self, engine: turgor.VolumeSkin) -> None:
         self._bound = engine
-        self._current: tuple[object, turgor.VolumeSkin] = (None, engine)
+        self._current: tuple[object, turgor.VolumeSkin, NDArray[np.float64]] = (None, engine, self._strengths(()))
 
     @property
     def joint_bones(self) -> list[int]:
@@ -64,6 +64,11 @@ class Body:
     def current_engine(self) -> turgor.VolumeSkin:
         """The engine under the settings of the last frame."""
         return self._current[1]
+
+    @property
+    def joint_strengths(self) -> NDArray[np.float64]:
+        """(J,) of the last frame's settings, in the order of `joint_bones`."""
+        return self._current[2]
 
     @property
     def vertex_count(self) -> int:
@@ -79,11 +84,16 @@ class Body:
         self, key: object, joints: Callable[[], Sequence[turgor.Joint]], solver: Solver, keep_bone_scale: bool
     ) -> turgor.VolumeSkin:
         """The engine for these settings. key: changes whenever any of the settings does."""
-        known_key, engine = self._current
+        known_key, engine, _ = self._current
         if known_key != key:
-            engine = self._bound.with_joints(joints(), solver=solver, keep_bone_scale=keep_bone_scale)
-            self._current = (key, engine)
+            chosen = joints()
+            engine = self._bound.with_joints(chosen, solver=solver, keep_bone_scale=keep_bone_scale)
+            self._current = (key, engine, self._strengths(chosen))
         return engine
+
+    def _strengths(self, joints: Sequence[turgor.Joint]) -> NDArray[np.float64]:
+        of_bone = {joint.bone: joint.strength for joint in joints}
+        return np.array([of_bone.get(bone, 1.0) for bone in self.joint_bones], np.float64)
 
     def uncorrected_parts(self) -> tuple[str, ...]:
         """One line per kind of component that stays as skinned, for the artist."""

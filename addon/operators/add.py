@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from .. import runtime
-from ..live import housekeeping, route
+from ..live import housekeeping, push, route
 from ..scene import stack
 
 
@@ -33,7 +33,7 @@ class OBJECT_OT_turgor_volume_add(bpy.types.Operator):
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        added = 0
+        added: list[bpy.types.Object] = []
         with runtime.quiet():
             route.choose()
             for ob in sorted({context.object, *context.selected_objects} - {None}, key=lambda ob: ob.name):
@@ -43,9 +43,14 @@ class OBJECT_OT_turgor_volume_add(bpy.types.Operator):
                 if reason is None:
                     housekeeping.add(ob)
                     reason = runtime.character(ob.session_uid).problem
-                    added += 1
+                    added.append(ob)
                 if reason is not None:
                     self.report({"WARNING"}, f"{ob.name}: {reason}")
+            depsgraph = context.evaluated_depsgraph_get()
+            if runtime.session.route == "PUSH":
+                push.write_all(depsgraph)
+        for ob in added:
+            housekeeping.choose_joint(ob)
         return {"FINISHED"} if added else {"CANCELLED"}
 
 

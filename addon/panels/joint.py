@@ -1,40 +1,37 @@
-"""Settings of the active joint."""
+"""Settings of the active joint, with its curves when they are its own."""
 
 from __future__ import annotations
 
 import bpy
 
-from .volume import PARENT_PANEL, has_volume
+SHARE_NAMES = ("Along Bone", "Sideways", "Inside")
+CURVES = (("curve_along", "Along Bone"), ("curve_sideways", "Sideways"), ("curve_inside", "Inside"))
 
 
-class TURGOR_PT_joint(bpy.types.Panel):
-    bl_label = ""
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "modifier"
-    bl_parent_id = PARENT_PANEL
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return has_volume(context.object) and _active(context.object) is not None
-
-    def draw_header(self, context: bpy.types.Context) -> None:
-        self.layout.label(text=_active(context.object).name, icon="BONE_DATA")
-
-    def draw(self, context: bpy.types.Context) -> None:
-        joint = _active(context.object)
-        layout = self.layout
-        layout.use_property_split = True
-        layout.prop(joint, "preset")
-        layout.prop(joint, "strength")
-        layout.prop(joint, "size")
-        layout.prop(joint, "use_auto_shares")
-        if not joint.use_auto_shares:
-            column = layout.column(align=True)
-            for index, name in enumerate(("Along Bone", "Sideways", "Inside")):
-                column.prop(joint, "shares", index=index, text=name, slider=True)
-
-
-def _active(ob: bpy.types.Object) -> bpy.types.PropertyGroup | None:
+def draw_joint(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
+    """Of the joint chosen in the list; nothing without one."""
     joints = ob.turgor.joints
-    return joints[ob.turgor.active_joint] if 0 <= ob.turgor.active_joint < len(joints) else None
+    if not 0 <= ob.turgor.active_joint < len(joints):
+        return
+    joint = joints[ob.turgor.active_joint]
+    layout.label(text=joint.name, icon="BONE_DATA")
+    column = layout.column()
+    column.use_property_split = True
+    column.prop(joint, "preset")
+    column.prop(joint, "strength")
+    column.prop(joint, "size")
+    column.prop(joint, "use_auto_shares")
+    if not joint.use_auto_shares:
+        shares = column.column(align=True)
+        for index, name in enumerate(SHARE_NAMES):
+            shares.prop(joint, "shares", index=index, text=name, slider=True)
+    if joint.preset == "CUSTOM":
+        _draw_curves(layout, joint, ob.turgor.curves)
+
+
+def _draw_curves(layout: bpy.types.UILayout, joint: bpy.types.PropertyGroup, tree: bpy.types.NodeTree | None) -> None:
+    for name, title in CURVES:
+        node = None if tree is None else tree.nodes.get(getattr(joint, name))
+        if node is not None:
+            layout.label(text=title)
+            layout.template_curve_mapping(node, "mapping")

@@ -29,16 +29,15 @@ class TURGOR_UL_joints(bpy.types.UIList):
         flt_flag: int | None = 0,
     ) -> None:
         figures = _figures(item)
-        row = layout.row(align=True)
-        row.label(text=item.name, icon="BONE_DATA")
-        numbers = row.row(align=True)
-        numbers.alignment = "RIGHT"
+        name, by_skinning, by_turgor = columns(layout)
+        name.label(text=item.name, icon="ERROR" if figures is not None and figures.is_capped else "NONE")
         if figures is None:
-            numbers.label(text="–")
+            by_turgor.label(text="–")
             return
-        numbers.active = abs(figures.lost) >= NOTABLE_PERCENT
-        numbers.label(text=signed_percent(-figures.lost, 2))
-        numbers.label(text=signed_percent(figures.regained, 2), icon="ERROR" if figures.is_capped else "NONE")
+        is_notable = abs(figures.lost) >= NOTABLE_PERCENT
+        for cell, value in ((by_skinning, -figures.lost), (by_turgor, figures.regained)):
+            cell.active = is_notable
+            cell.label(text=signed_percent(value, 2))
 
     def draw_filter(self, context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         row = layout.row(align=True)
@@ -66,6 +65,14 @@ class TURGOR_UL_joints(bpy.types.UIList):
         keys = [(-abs(found.lost) if found else 0.0, place) for place, found in enumerate(figures)]
         places = {place: order for order, (_, place) in enumerate(sorted(keys))}
         return flags, [places[place] for place in range(len(joints))]
+
+
+def columns(layout: bpy.types.UILayout) -> tuple[bpy.types.UILayout, bpy.types.UILayout, bpy.types.UILayout]:
+    """Cells of a line: the joint, what skinning does to its volume, what Turgor does; the last two right-aligned."""
+    name, numbers = (split := layout.split(factor=0.55)).row(), split.row()
+    by_skinning, by_turgor = (numbers.row(align=True) for _ in range(2))
+    by_skinning.alignment = by_turgor.alignment = "RIGHT"
+    return name, by_skinning, by_turgor
 
 
 def _figures(joint: bpy.types.PropertyGroup) -> runtime.JointFigures | None:

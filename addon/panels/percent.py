@@ -4,5 +4,6 @@ from __future__ import annotations
 
 
 def signed_percent(value: float, digits: int) -> str:
-    """With its sign; zero is never negative."""
-    return f"{round(value, digits) + 0.0:+.{digits}f} %"
+    """With a sign, but for what rounds to zero."""
+    rounded = round(value, digits)
+    return f"{rounded:+.{digits}f} %" if rounded else f"{0.0:.{digits}f} %"

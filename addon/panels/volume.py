@@ -7,12 +7,17 @@ import textwrap
 import bpy
 
 from .. import runtime
+from .joint import draw_joint
+from .joints import columns
 from .percent import signed_percent
 
 PARENT_PANEL = "TURGOR_PT_volume"
-ROUTE_NAMES = {"PULL": "Live by pull", "PUSH": "Live by push", "": "Not started"}
 # Pixels of the panel per character of text, at a user interface scale of 1.
 CHARACTER_WIDTH = 7.0
+# An error from here on is rounded as roughly as that of plain skinning.
+VISIBLE_PERCENT = 0.005
+# Width of the list's scroll bar and frame, in widgets.
+LIST_MARGIN = 1.4
 
 
 class TURGOR_PT_volume(bpy.types.Panel):
@@ -24,24 +29,55 @@ class TURGOR_PT_volume(bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return context.object is not None and context.object.type == "MESH"
+        ob = context.object
+        return has_volume(ob) or (
+            ob is not None and ob.type == "MESH" and any(modifier.type == "ARMATURE" for modifier in ob.modifiers)
+        )
 
     def draw(self, context: bpy.types.Context) -> None:
         ob = context.object
         if not has_volume(ob):
             self.layout.operator("object.turgor_volume_add", text="Add Turgor Volume", icon="ADD")
             return
-        known = runtime.session.characters.get(ob.session_uid, runtime.Character())
+        known = _known(ob)
         _draw_problem(self.layout, context, known)
         _draw_readout(self.layout, known)
+        _draw_notes(self.layout, context, known)
         _draw_joints(self.layout, ob)
-        _draw_settings(self.layout, ob)
-        _draw_state(self.layout, context, known)
+        draw_joint(self.layout, ob)
+
+
+class TURGOR_PT_settings(bpy.types.Panel):
+    bl_label = "Settings"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "modifier"
+    bl_parent_id = PARENT_PANEL
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return has_volume(context.object)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        ob = context.object
+        column = self.layout.column()
+        column.use_property_split = True
+        column.prop(ob.turgor, "target_volume")
+        column.prop(ob.turgor, "keep_bone_scale")
+        column.prop(ob.turgor, "solver")
+        buttons = self.layout.row(align=True)
+        buttons.operator("object.turgor_volume_rebind", icon="FILE_REFRESH")
+        buttons.operator("object.turgor_volume_remove", text="Remove", icon="X")
+        _draw_state(self.layout, context, _known(ob))
 
 
 def has_volume(ob: bpy.types.Object | None) -> bool:
     """Whether the object was given Turgor Volume: settings are stamped then."""
     return ob is not None and ob.type == "MESH" and ob.turgor.version > 0
+
+
+def _known(ob: bpy.types.Object) -> runtime.Character:
+    return runtime.session.characters.get(ob.session_uid, runtime.Character())
 
 
 def _draw_problem(layout: bpy.types.UILayout, context: bpy.types.Context, known: runtime.Character) -> None:
@@ -56,53 +92,43 @@ def _draw_problem(layout: bpy.types.UILayout, context: bpy.types.Context, known:
 
 def _draw_readout(layout: bpy.types.UILayout, known: runtime.Character) -> None:
     figures = known.figures
-    box = layout.box()
-    big = box.row()
-    big.scale_y = 1.6
-    big.alignment = "CENTER"
     if figures is None:
-        big.label(text="Volume –")
         return
-    big.label(text=f"Volume {signed_percent(figures.corrected_deviation, 4)}")
-    small = box.row()
-    small.alignment = "CENTER"
-    small.active = False
-    small.label(text=f"Plain skinning {signed_percent(figures.skinned_deviation, 2)}")
+    column = layout.box().column(align=True)
+    line = column.row()
+    line.alignment = "CENTER"
+    digits = 2 if abs(figures.corrected_deviation) >= VISIBLE_PERCENT else 4
+    line.label(text=f"Volume error {signed_percent(figures.corrected_deviation, digits)}")
+    line = column.row()
+    line.alignment = "CENTER"
+    line.active = False
+    line.label(text=f"without Turgor {signed_percent(figures.skinned_deviation, 2)}")
 
 
-def _draw_joints(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
-    header = layout.row()
-    header.active = False
-    header.label(text="Joint")
-    names = header.row()
-    names.alignment = "RIGHT"
-    names.label(text="Lost    Regained")
-    layout.template_list("TURGOR_UL_joints", "", ob.turgor, "joints", ob.turgor, "active_joint", rows=6)
-
-
-def _draw_settings(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
-    column = layout.column()
-    column.prop(ob.turgor, "keep_bone_scale")
-    column.use_property_split = True
-    column.prop(ob.turgor, "target_volume")
-    column.prop(ob.turgor, "solver")
-
-
-def _draw_state(layout: bpy.types.UILayout, context: bpy.types.Context, known: runtime.Character) -> None:
+def _draw_notes(layout: bpy.types.UILayout, context: bpy.types.Context, known: runtime.Character) -> None:
     column = layout.column(align=True)
     for note in known.notes:
         _draw_wrapped(column, context, note, "INFO")
-    state = layout.row()
-    state.active = False
-    text = ROUTE_NAMES[runtime.session.route]
+
+
+def _draw_joints(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
+    column = layout.column(align=True)
+    header = column.row()
+    header.active = False
+    for cell, text in zip(columns(header), ("Joint", "Skinning", "Turgor"), strict=True):
+        cell.label(text=text)
+    header.separator(factor=LIST_MARGIN)
+    column.template_list("TURGOR_UL_joints", "", ob.turgor, "joints", ob.turgor, "active_joint", rows=6)
+
+
+def _draw_state(layout: bpy.types.UILayout, context: bpy.types.Context, known: runtime.Character) -> None:
     if known.timing is not None:
-        text += f", {known.timing.total:.2f} ms per frame"
-    state.label(text=text)
+        line = layout.row()
+        line.active = False
+        line.label(text=f"{known.timing.total:.2f} ms per frame")
     if runtime.session.route == "PUSH":
-        _draw_wrapped(column, context, f"Push: {runtime.session.route_reason}", "INFO")
-    buttons = layout.row(align=True)
-    buttons.operator("object.turgor_volume_rebind", icon="FILE_REFRESH")
-    buttons.operator("object.turgor_volume_remove", text="Remove", icon="X")
+        text = f"Evaluates each frame twice: {runtime.session.route_reason}"
+        _draw_wrapped(layout.column(align=True), context, text, "INFO")
 
 
 def _draw_wrapped(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str) -> None:

@@ -84,6 +84,27 @@ def test_figures_of_the_panel_follow_the_frame(route, runtime):
     assert rest > 0.0
 
 
+@pytest.mark.parametrize("breathing", [1.0, 1.3])
+def test_figures_tell_what_a_weaker_joint_leaves_out(route, runtime, breathing):
+    ob, _ = character()
+    rest = volume(ob)
+    add_turgor(ob)
+    ob.turgor.target_volume = breathing
+    ob.turgor.joints["Bone1"].strength = 0.4
+    _shown(ob)
+    figures = runtime.character(ob.session_uid).figures
+    assert figures.corrected_deviation < -0.1
+    assert figures.corrected_deviation == pytest.approx(100.0 * (volume(ob) / (rest * breathing) - 1.0), rel=1e-4)
+
+
+def test_the_joint_that_loses_most_is_shown_first(runtime):
+    ob, _ = character()
+    bpy.context.scene.frame_set(FRAME)
+    add_turgor(ob)
+    lost = {name: abs(joint.lost) for name, joint in runtime.character(ob.session_uid).figures.joints.items()}
+    assert ob.turgor.joints[ob.turgor.active_joint].name == max(lost, key=lambda name: lost[name])
+
+
 @pytest.mark.parametrize("solver", ["SIMULTANEOUS", "SEQUENTIAL"])
 def test_both_solvers_are_exact(route, solver):
     ob, _ = character()
@@ -98,7 +119,7 @@ def test_panels_draw(runtime):
     """Labels of the classes exist and their polls answer; a window draws them elsewhere."""
     ob, _ = character()
     add_turgor(ob)
-    for name in ("TURGOR_PT_volume", "TURGOR_PT_joint"):
+    for name in ("TURGOR_PT_volume", "TURGOR_PT_settings"):
         assert getattr(bpy.types, name).poll(bpy.context)
 
 
