@@ -14,8 +14,8 @@ const SCALE_TOLERANCE_SQUARED: f64 = 1e-8;
 pub(crate) struct DualQuaternion {
     pub rotation: V4,
     /// Dual part at the point 0, and its slopes along x, y, z: 0 unless there is scale.
-    dual: [V4; 4],
-    has_scale: bool,
+    pub dual: [V4; 4],
+    pub has_scale: bool,
 }
 
 impl DualQuaternion {

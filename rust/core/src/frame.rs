@@ -14,7 +14,7 @@ use crate::patches::{PATCH_POINTS, Patch, Patches};
 use crate::report::Report;
 use crate::skinning::{check_object, check_pose};
 use crate::split::{Ragged, for_each_piece};
-use crate::stages::{StageBuffers, Staged, Stages, giant_moment, giant_volume};
+use crate::stages::{Body, ROWS, Rows, giant_moment, giant_volume};
 use crate::supports::Supports;
 use crate::sweeps::{self, Buffer, GRADIENT_PARTS, mean_and_cross, polygon_cubic, polygon_gradient};
 use crate::volume::VolumeCubic;
@@ -66,7 +66,8 @@ pub struct Workspace {
     changes: Vec<Change>,
     forms: Option<FormBuffers>,
     stage_changes: Vec<Change>,
-    giant_room: Vec<V4>,
+    giant_positions: Vec<V4>,
+    giant_room: Vec<f64>,
     /// Per slot, about the palette's origin.
     skinned: Vec<V4>,
     places: Coordinates,
@@ -158,7 +159,8 @@ impl Workspace {
             changes: vec![Change::default(); jobs],
             forms,
             stage_changes,
-            giant_room: vec![lanes::ZERO; 5 * giant_points],
+            giant_positions: vec![lanes::ZERO; giant_points],
+            giant_room: vec![0.0; ROWS * giant_points],
             skinned: vec![lanes::ZERO; slots],
             places: coordinates(),
             gradient: coordinates(),
@@ -182,7 +184,7 @@ impl Workspace {
     /// Heap memory that grows with the mesh.
     pub fn memory_bytes(&self) -> usize {
         let coordinates = [&self.places, &self.gradient, &self.moved, &self.residual];
-        let vectors = [&self.rest, &self.giant_room, &self.skinned, &self.sources];
+        let vectors = [&self.rest, &self.giant_positions, &self.skinned, &self.sources];
         coordinates.iter().flat_map(|c| c.iter()).map(|c| size_of_val(&**c)).sum::<usize>()
             + vectors.iter().map(|v| size_of_val(&***v)).sum::<usize>()
             + size_of_val(&*self.displacements)
@@ -234,35 +236,69 @@ impl Workspace {
         Ok(())
     }
 
-    /// Skins all points; volume and gradient of the skinned surface.
+    /// Skins all points; volume and gradient of the skinned surface, and stages on the way to it.
     pub(crate) fn skin(&mut self, binding: &Binding) {
         let patches = &binding.patches;
-        let rest = if self.rest.is_empty() { &binding.sites.rest } else { &self.rest };
+        let count = patches.list.len();
+        let has_shapes = !self.rest.is_empty();
+        let rest = if has_shapes { &self.rest } else { &binding.sites.rest };
+        let stages = binding.plan.stages();
         let motions = &self.motions;
+        let change_offsets = stages.map_or(&*patches.no_rows, |stages| &stages.change_offsets()[..=count]);
+        let moment_offsets = if stages.is_some() { &patches.numbers } else { &patches.no_rows };
+        let (changes, giant_changes) = self.stage_changes.split_at_mut(change_offsets[count] as usize);
+        let (moments, giant_moments) = self.body_moments.split_at_mut(moment_offsets[count] as usize);
         let (sources, giant_sources) = self.sources.split_at_mut(patches.patch_source_count());
         for_each_piece(
-            patches.list.len(),
+            count,
             (
-                Ragged::new(&mut self.skinned, &patches.slot_offsets),
-                ragged(&mut self.places, &patches.slot_offsets),
+                (Ragged::new(&mut self.skinned, &patches.slot_offsets), ragged(&mut self.places, &patches.slot_offsets)),
                 ragged(&mut self.gradient, &patches.slot_offsets),
                 Ragged::new(sources, &patches.source_offsets),
                 &mut *self.patches,
+                (Ragged::new(changes, change_offsets), Ragged::new(moments, moment_offsets)),
             ),
-            &|index, (skinned, places, gradient, sources, sums)| {
-                let skinner = Skinner { binding, motions, rest, index };
-                let (places, gradient) = (places.map(|row| row.values), gradient.map(|row| row.values));
-                skin_patch(skinner, skinned.values, places, gradient, sources.values, &mut sums[0]);
+            &|index, ((skinned, places), gradient, sources, sums, (changes, moment))| {
+                let from = Skinner { binding, motions, rest, has_shapes, index };
+                let into = Skinned {
+                    positions: skinned.values,
+                    places: places.map(|row| row.values),
+                    gradient: gradient.map(|row| row.values),
+                    sources: sources.values,
+                    sums: &mut sums[0],
+                    changes: changes.values,
+                    moment: moment.values.first_mut(),
+                };
+                skin_patch(from, into);
             },
         );
         sweep_giants(binding, &mut self.giant_volumes, giant_sources, |slot| self.skinned[slot]);
+        let Some(stages) = stages else { return };
+        let mut giant_changes = giant_changes;
+        for (index, (giant, moment)) in patches.giants.iter().zip(giant_moments).enumerate() {
+            let body = Body { index: count + index, slots: &giant.corners, sites: &binding.sites, rest, motions };
+            let corners = giant.corners.len();
+            let positions = &mut self.giant_positions[..corners];
+            if has_shapes {
+                for (p, &slot) in positions.iter_mut().zip(&giant.corners) {
+                    *p = binding.sites.mean(slot as usize, |site| rest[site]);
+                }
+                *moment = giant_moment(positions);
+            }
+            let (changes, rest_of_them) = giant_changes.split_at_mut(stages.joint_count(count + index));
+            let rows = Rows::new(&mut self.giant_room, corners);
+            if let Some(last) = stages.measure(body, *moment, rows, positions, giant_volume, changes) {
+                changes[last].loss -= self.giant_volumes[index];
+            }
+            giant_changes = rest_of_them;
+        }
+        if has_shapes {
+            binding.plan.bodies.rigid_moments(&self.body_moments, &mut self.job_moments);
+        }
     }
 
     /// Losses, targets, and the volume each job is to give back.
     pub(crate) fn measure(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pose: &Pose) {
-        if let Deforming::Stages(stages) = &binding.plan.deforming {
-            self.measure_stages(binding, stages);
-        }
         binding.plan.carry(&self.motions, &self.job_moments, &mut self.changes);
         match (&binding.plan.deforming, &mut self.forms) {
             (Deforming::Forms(forms), Some(buffers)) => forms.measure(&self.motions, buffers, &mut self.changes),
@@ -313,39 +349,6 @@ impl Workspace {
         }
     }
 
-    fn measure_stages(&mut self, binding: &Binding, stages: &Stages) {
-        let patches = &binding.patches;
-        let (motions, sums, sites) = (&self.motions, &self.patches, &binding.sites);
-        let has_shapes = !self.rest.is_empty();
-        let rest = if has_shapes { &self.rest } else { &sites.rest };
-        let count = patches.list.len();
-        let (offsets, giant_offsets) = (&stages.change_offsets()[..=count], &stages.change_offsets()[count..]);
-        let (changes, giant_changes) = self.stage_changes.split_at_mut(offsets[count] as usize);
-        let (moments, giant_moments) = self.body_moments.split_at_mut(count);
-        for_each_piece(count, (Ragged::new(changes, offsets), moments), &|index, (changes, moment)| {
-            let skinner = Skinner { binding, motions, rest, index };
-            stage_patch(skinner, stages, has_shapes, sums[index].volume, changes.values, &mut moment[0]);
-        });
-        for (index, (giant, moment)) in patches.giants.iter().zip(giant_moments).enumerate() {
-            let fifth = self.giant_room.len() / 5;
-            let (places, room) = self.giant_room.split_at_mut(fifth);
-            if has_shapes {
-                let places = &mut places[..giant.corners.len()];
-                for (p, &slot) in places.iter_mut().zip(&giant.corners) {
-                    *p = sites.mean(slot as usize, |site| rest[site]);
-                }
-                *moment = giant_moment(places);
-            }
-            let body = Staged { index: count + index, slots: &giant.corners, rest, moment: *moment, skinned: self.giant_volumes[index] };
-            let first = giant_offsets[0];
-            let changes = &mut giant_changes[(giant_offsets[index] - first) as usize..(giant_offsets[index + 1] - first) as usize];
-            stages.measure(&body, motions, sites, StageBuffers::new(room), |p| giant_volume(&p[..giant.corners.len()]), changes);
-        }
-        if has_shapes {
-            binding.plan.bodies.rigid_moments(&self.body_moments, &mut self.job_moments);
-        }
-    }
-
     /// Spreads a change of target by what each joint gives back anyway, the rest over the whole shell.
     fn breathe(&mut self, binding: &Binding, target_scale: f64) {
         for (state, job) in self.jobs.iter_mut().zip(&binding.plan.jobs) {
@@ -367,7 +370,7 @@ impl Workspace {
     pub(crate) fn hold(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pass: Pass) {
         let (patches, jobs, sources) = (&binding.patches, &self.jobs, &self.sources);
         let (places, has_profiles) = (self.places.each_ref().map(|c| &**c), !self.profiled.is_empty());
-        let profile_offsets = if has_profiles { &supports.weight_offsets } else { &supports.no_weights };
+        let profile_offsets = if has_profiles { &supports.weight_offsets } else { &patches.no_rows };
         for_each_piece(
             patches.list.len(),
             (
@@ -740,72 +743,76 @@ struct Skinner<'a> {
     binding: &'a Binding,
     motions: &'a Motions,
     rest: &'a [V4],
+    has_shapes: bool,
     index: usize,
 }
 
-/// Skins the points a patch sees; keeps those it owns, and the gradient of all.
+/// What skinning a patch leaves.
+struct Skinned<'a> {
+    positions: &'a mut [V4],
+    places: [&'a mut [f32]; 3],
+    gradient: [&'a mut [f32]; 3],
+    sources: &'a mut [V4],
+    sums: &'a mut PatchSums,
+    changes: &'a mut [Change],
+    moment: Option<&'a mut Moment>,
+}
+
+/// Skins the points a patch sees; keeps those it owns, the gradient of all, and what its joints lose.
 #[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
-fn skin_patch(
-    from: Skinner,
-    skinned: &mut [V4],
-    places: [&mut [f32]; 3],
-    gradient: [&mut [f32]; 3],
-    sources: &mut [V4],
-    sums: &mut PatchSums,
-) {
-    let Skinner { binding, motions, rest, index } = from;
+fn skin_patch(from: Skinner, into: Skinned) {
+    let Skinner { binding, motions, rest, has_shapes, index } = from;
     let (patches, sites, palette) = (&binding.patches, &binding.sites, &motions.palette);
     let patch = &patches.list[index];
-    let local = &patches.local[patch.local.clone()];
+    let slots = &patches.local[patch.local.clone()];
     let (mut p, mut by_point): (Buffer, Buffer) = ([lanes::ZERO; PATCH_POINTS], [lanes::ZERO; PATCH_POINTS]);
-    if sites.is_split() {
-        for (p, &slot) in p.iter_mut().zip(local) {
+    let mut last = None;
+    let mut is_skinned = false;
+    if let (Some(stages), Some(moment)) = (binding.plan.stages(), into.moment) {
+        if has_shapes {
+            for (p, &slot) in p.iter_mut().zip(slots) {
+                *p = sites.mean(slot as usize, |site| rest[site]);
+            }
+            let (volume, area) = sweeps::moment(patches, patch, &p);
+            *moment = (volume, lanes::to(area));
+        }
+        let body = Body { index, slots, sites, rest, motions };
+        let mut room = [0.0; ROWS * PATCH_POINTS];
+        let volume = |p: &[V4]| p.first_chunk::<PATCH_POINTS>().map_or(0.0, |p| sweeps::volume(patches, patch, p));
+        last = stages.measure(body, *moment, Rows::new(&mut room, PATCH_POINTS), &mut p, volume, into.changes);
+        is_skinned = stages.ends_skinned(body);
+    }
+    if !is_skinned && sites.is_split() {
+        for (p, &slot) in p.iter_mut().zip(slots) {
             *p = sites.mean(slot as usize, |site| palette.skin(&sites.influences, site, rest[site]));
         }
-    } else {
-        for (p, &slot) in p.iter_mut().zip(local) {
+    } else if !is_skinned {
+        for (p, &slot) in p.iter_mut().zip(slots) {
             let site = sites.of_slot(slot as usize).start;
             *p = palette.skin(&sites.influences, site, rest[site]);
         }
     }
-    *sums = PatchSums { volume: sweeps::volume_and_gradient(patches, patch, &p, &mut by_point), ..PatchSums::default() };
-    keep_gradient(binding, patch, &by_point, gradient, sources);
-    skinned[..patch.owned].copy_from_slice(&p[..patch.owned]);
-    for (axis, row) in places.into_iter().enumerate() {
+    let volume = sweeps::volume_and_gradient(patches, patch, &p, &mut by_point);
+    if let Some(last) = last {
+        into.changes[last].loss -= volume;
+    }
+    *into.sums = PatchSums { volume, ..PatchSums::default() };
+    keep_gradient(binding, patch, &by_point, into.gradient, into.sources);
+    into.positions[..patch.owned].copy_from_slice(&p[..patch.owned]);
+    for (axis, row) in into.places.into_iter().enumerate() {
         for (place, p) in row.iter_mut().zip(&p[..patch.owned]) {
             *place = p[axis] as f32;
         }
     }
     if sites.is_split() {
-        for &slot in &local[..patch.owned] {
+        for &slot in &slots[..patch.owned] {
             let mut twins = sites.of_slot(slot as usize).map(|site| palette.skin(&sites.influences, site, rest[site]));
             if let Some(first) = twins.next() {
                 let gaps = twins.map(|twin| lanes::to(twin).distance_squared(lanes::to(first)));
-                sums.gap_squared = gaps.fold(sums.gap_squared, f64::max);
+                into.sums.gap_squared = gaps.fold(into.sums.gap_squared, f64::max);
             }
         }
     }
-}
-
-/// Losses of the joints that deform a patch.
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
-fn stage_patch(from: Skinner, stages: &Stages, has_shapes: bool, skinned: f64, changes: &mut [Change], moment: &mut Moment) {
-    let Skinner { binding, motions, rest, index } = from;
-    let (patches, sites) = (&binding.patches, &binding.sites);
-    let patch = &patches.list[index];
-    let slots = &patches.local[patch.local.clone()];
-    if has_shapes {
-        let mut p: Buffer = [lanes::ZERO; PATCH_POINTS];
-        for (p, &slot) in p.iter_mut().zip(slots) {
-            *p = sites.mean(slot as usize, |site| rest[site]);
-        }
-        let (volume, area) = sweeps::moment(patches, patch, &p);
-        *moment = (volume, lanes::to(area));
-    }
-    let body = Staged { index, slots, rest, moment: *moment, skinned };
-    let mut room = [lanes::ZERO; 4 * PATCH_POINTS];
-    let volume = |p: &[V4]| p.first_chunk::<PATCH_POINTS>().map_or(0.0, |p| sweeps::volume(patches, patch, p));
-    stages.measure(&body, motions, sites, StageBuffers::new(&mut room), volume, changes);
 }
 
 /// Keeps a patch's part of the gradient: whole for the points it alone uses, for others to be summed.

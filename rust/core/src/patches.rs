@@ -61,6 +61,9 @@ pub(crate) struct Patches {
     pub slot_offsets: Vec<u32>,
     /// Per patch and one past the last: where it leaves values of shared points, then of foreign ones.
     pub source_offsets: Vec<u32>,
+    /// Offsets of one row per patch, and of none.
+    pub numbers: Vec<u32>,
+    pub no_rows: Vec<u32>,
     /// Slot of each local point, patch after patch.
     pub local: Vec<u32>,
     /// Four at a time, corner by corner; the last of a patch are filled up with faces of one point.
@@ -123,6 +126,8 @@ impl Patches {
             result.giants.push(Giant { component, corners });
         }
         result.imports = result.find_imports();
+        result.numbers = (0..=result.list.len() as u32).collect();
+        result.no_rows = vec![0; result.list.len() + 1];
         result
     }
 

@@ -262,6 +262,12 @@ impl Palette {
         &self.dual[index]
     }
 
+    /// Rotation of a motion.
+    #[inline(always)]
+    pub fn rotation(&self, index: usize) -> V4 {
+        self.dual.get(index).map_or(DualQuaternion::IDENTITY.rotation, |dual| dual.rotation)
+    }
+
     /// A rest position in armature space.
     #[inline(always)]
     pub fn in_armature(&self, p: V4) -> V4 {

@@ -6,16 +6,15 @@
 use glam::DVec3;
 
 use crate::csr::Csr;
-use crate::dual_quaternion;
 use crate::lanes::{self, V4, add_scaled, scale, sub, transform};
 use crate::motions::Motions;
 use crate::sites::Sites;
-use crate::skinning::{Columns, Mode};
+use crate::skinning::Mode;
 use crate::sweeps;
 use crate::volume_loss::{Anatomy, Bodies, Change, Job, Moment, find_job, joints_of, moved_volume};
 
 /// What deforms each body: patches, then giants.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Stages {
     /// Joint above each body.
     tops: Vec<u16>,
@@ -27,37 +26,43 @@ pub(crate) struct Stages {
     weight_offsets: Vec<u32>,
     /// Weight of all that hangs on a joint.
     weights: Vec<f64>,
+    /// Per body, whether each of its points is one site.
+    is_single: Vec<bool>,
 }
 
 /// One body in one frame.
-pub(crate) struct Staged<'a> {
+#[derive(Clone, Copy)]
+pub(crate) struct Body<'a> {
     pub index: usize,
     pub slots: &'a [u32],
+    pub sites: &'a Sites,
     /// Rest position per site.
     pub rest: &'a [V4],
-    pub moment: Moment,
-    /// Volume of the body as skinned: what the last stage leaves.
-    pub skinned: f64,
+    pub motions: &'a Motions,
 }
 
-/// Room for the points of one body.
-pub(crate) struct StageBuffers<'a> {
-    /// Rest, armature space.
-    place: &'a mut [V4],
-    /// Blended so far: positions, or rotations and their dual parts.
-    blend: &'a mut [V4],
-    dual: &'a mut [V4],
-    position: &'a mut [V4],
+/// Coordinates of the points of one body, row after row: rest in three, blended motion in eight.
+pub(crate) struct Rows<'a> {
+    place: [&'a mut [f64]; 3],
+    /// Position where skinning is linear, else the rotation.
+    blend: [&'a mut [f64]; 4],
+    dual: [&'a mut [f64]; 4],
 }
 
-impl<'a> StageBuffers<'a> {
-    /// Four rows of equal length.
-    pub fn new(room: &'a mut [V4]) -> Self {
-        let quarter = room.len() / 4;
-        let (place, room) = room.split_at_mut(quarter);
-        let (blend, room) = room.split_at_mut(quarter);
-        let (dual, position) = room.split_at_mut(quarter);
-        Self { place, blend, dual, position }
+/// Rows of a body.
+pub(crate) const ROWS: usize = 11;
+
+impl<'a> Rows<'a> {
+    /// `ROWS` rows of `count` numbers in `room`.
+    #[inline(always)]
+    pub fn new(room: &'a mut [f64], count: usize) -> Self {
+        let mut rows = room.chunks_exact_mut(count.max(1));
+        let mut next = || rows.next().unwrap_or_default();
+        let [place, blend, dual] = [[next(), next(), next()], [next(), next(), next()], [next(), next(), next()]];
+        let [px, py, pz] = place;
+        let [bx, by, bz] = blend;
+        let [dx, dy, dz] = dual;
+        Self { place: [px, py, pz], blend: [bx, by, bz, next()], dual: [dx, dy, dz, next()] }
     }
 }
 
@@ -65,8 +70,8 @@ impl Stages {
     /// Fills `bodies` with patches and giants.
     pub fn new(anatomy: &Anatomy, jobs: &[Job], bodies: &mut Bodies) -> Self {
         let Anatomy { patches, sites, .. } = *anatomy;
-        let mut result =
-            Self { tops: Vec::new(), joints: Csr::default(), jobs: Csr::default(), weight_offsets: vec![0], weights: Vec::new() };
+        let mut result = Self::default();
+        result.weight_offsets.push(0);
         let place = |slot: &u32| sites.mean(*slot as usize, |site| sites.rest[site]);
         let mut buffer = [lanes::ZERO; crate::patches::PATCH_POINTS];
         for patch in &patches.list {
@@ -103,6 +108,7 @@ impl Stages {
         };
         let (top, joints) = joints_of(bones, tree);
         self.tops.push(top as u16);
+        self.is_single.push(slots.iter().all(|&slot| sites.of_slot(slot as usize).len() == 1));
         for &joint in &joints {
             let under = usize::from(joint)..usize::from(tree.ends[usize::from(joint)]);
             self.weights.extend(slots.iter().map(|&slot| {
@@ -121,6 +127,11 @@ impl Stages {
 
     pub fn memory_bytes(&self) -> usize {
         size_of_val(&*self.tops) + self.joints.memory_bytes() + self.jobs.memory_bytes() + size_of_val(&*self.weights)
+    }
+
+    /// Joints that deform a body.
+    pub fn joint_count(&self, body: usize) -> usize {
+        self.joints.row(body).len()
     }
 
     /// Changes of all bodies.
@@ -142,87 +153,180 @@ impl Stages {
         }
     }
 
-    /// What each joint's turn does to one body.
+    /// True when the last stage is the skinned body: its points are not split, and no bone's rotation lies so far from
+    /// another's that Blender would turn its sign.
+    #[inline(always)]
+    pub fn ends_skinned(&self, body: Body) -> bool {
+        let palette = &body.motions.palette;
+        if !self.is_single[body.index] {
+            return false;
+        }
+        let joints = self.joints.row(body.index);
+        let all = || joints.iter().chain([&self.tops[body.index]]).map(|&j| palette.rotation(usize::from(j)));
+        palette.mode == Mode::Linear || all().enumerate().all(|(i, a)| all().skip(i + 1).all(|b| lanes::sum(lanes::mul(a, b)) >= 0.0))
+    }
+
+    /// What each joint's turn does to one body; `positions` end as all joints leave them.
+    ///
+    /// The loss of the last joint that moves is what is left before it: `close` takes from it what is left after it.
     #[inline(always)]
     pub fn measure(
         &self,
-        body: &Staged,
-        motions: &Motions,
-        sites: &Sites,
-        buffers: StageBuffers,
+        body: Body,
+        moment: Moment,
+        mut rows: Rows,
+        positions: &mut [V4],
         volume: impl Fn(&[V4]) -> f64,
         changes: &mut [Change],
-    ) {
+    ) -> Option<usize> {
         changes.fill(Change::default());
+        let motions = body.motions;
         let joints = self.joints.row(body.index);
-        let Some(last) = joints.iter().rposition(|&j| !motions.is_still[usize::from(j)]) else { return };
-        let top = usize::from(self.tops[body.index]);
-        let count = body.slots.len();
-        let weights = &self.weights[self.weight_offsets[body.index] as usize..];
-        let palette = &motions.palette;
-        let mean_rest = |slot: u32| sites.mean(slot as usize, |site| body.rest[site]);
-        let StageBuffers { place, blend, dual, position } = buffers;
-        let (place, blend, dual, position) = (&mut place[..count], &mut blend[..count], &mut dual[..count], position);
-        let linear = palette.mode == Mode::Linear;
-        for ((&slot, place), (blend, dual)) in body.slots.iter().zip(place.iter_mut()).zip(blend.iter_mut().zip(dual.iter_mut())) {
-            let p = mean_rest(slot);
-            if linear {
-                (*place, *blend) = (p, transform(palette.alone(top), p));
-            } else {
-                let x = palette.in_armature(p);
-                let motion = palette.dual(top);
-                (*place, *blend, *dual) = (x, motion.rotation, motion.dual_at(x));
-            }
-        }
-        let mut before = moved_volume(palette.alone(top), body.moment);
-        for (stage, (&joint, change)) in joints.iter().zip(changes).enumerate().take(last + 1) {
-            let joint = usize::from(joint);
+        let last = joints.iter().rposition(|&j| !motions.is_still[usize::from(j)]);
+        self.start(body, &mut rows);
+        let mut before = moved_volume(motions.palette.alone(usize::from(self.tops[body.index])), moment);
+        for (stage, change) in changes.iter_mut().enumerate().take(last.map_or(0, |last| last + 1)) {
+            let joint = usize::from(joints[stage]);
             if motions.is_still[joint] {
                 continue;
             }
-            let parts = &weights[stage * count..][..count];
-            let parent = usize::from(motions.tree.parents[joint]);
-            let mut volume_with = |motion: usize, keeps: bool| {
-                if linear {
-                    let added = difference(palette.alone(motion), palette.alone(parent));
-                    for (i, q) in position[..count].iter_mut().enumerate() {
-                        *q = add_scaled(blend[i], transform(&added, place[i]), parts[i]);
-                        if keeps {
-                            blend[i] = *q;
-                        }
-                    }
-                } else {
-                    let (to, from) = (palette.dual(motion), palette.dual(parent));
-                    let turned = sub(to.rotation, from.rotation);
-                    let origin = lanes::from(palette.origin);
-                    for i in 0..count {
-                        let rotation = add_scaled(blend[i], turned, parts[i]);
-                        let moved = add_scaled(dual[i], sub(to.dual_at(place[i]), from.dual_at(place[i])), parts[i]);
-                        if keeps {
-                            (blend[i], dual[i]) = (rotation, moved);
-                        }
-                        position[i] = sub(dual_quaternion::transform(rotation, moved, place[i]), origin);
-                    }
-                    if !sites.influences.mask.is_empty() {
-                        for (q, (&slot, &x)) in position.iter_mut().zip(body.slots.iter().zip(place.iter())) {
-                            let still = sub(x, origin);
-                            let mask = sites.of_slot(slot as usize).map(|site| sites.share(site) * sites.influences.mask(site)).sum();
-                            *q = add_scaled(still, sub(*q, still), mask);
-                        }
-                    }
+            let mut stretched = before;
+            if motions.has_intent[joint] {
+                self.add(body, stage, motions.stretched(joint), &mut rows);
+                place_all(body, &rows, positions);
+                stretched = volume(positions);
+                self.start(body, &mut rows);
+                for (earlier, &joint) in joints[..stage].iter().enumerate() {
+                    self.add(body, earlier, usize::from(joint), &mut rows);
                 }
-                volume(position)
+            }
+            self.add(body, stage, joint, &mut rows);
+            *change = Change { intent: stretched - before, loss: stretched };
+            if Some(stage) != last {
+                place_all(body, &rows, positions);
+                before = volume(positions);
+                change.loss -= before;
+            }
+        }
+        place_all(body, &rows, positions);
+        last
+    }
+
+    /// All points as the joint above leaves them.
+    #[inline(always)]
+    fn start(&self, body: Body, rows: &mut Rows) {
+        let palette = &body.motions.palette;
+        let top = usize::from(self.tops[body.index]);
+        for (i, &slot) in body.slots.iter().enumerate() {
+            let p = body.sites.mean(slot as usize, |site| body.rest[site]);
+            let (place, blend) = if palette.mode == Mode::Linear {
+                (p, transform(palette.alone(top), p))
+            } else {
+                (palette.in_armature(p), palette.rotation(top))
             };
-            let stretched = if motions.has_intent[joint] { volume_with(motions.stretched(joint), false) } else { before };
-            let after = if stage == last { body.skinned } else { volume_with(joint, true) };
-            *change = Change { intent: stretched - before, loss: stretched - after };
-            before = after;
+            for (row, value) in rows.place.iter_mut().zip(place) {
+                row[i] = value;
+            }
+            for (row, value) in rows.blend.iter_mut().zip(blend) {
+                row[i] = value;
+            }
+        }
+        if palette.mode == Mode::DualQuaternion {
+            rows.dual.iter_mut().for_each(|row| row[..body.slots.len()].fill(0.0));
+            let motion = palette.dual(top);
+            add_dual(rows, body.slots.len(), |_| 1.0, motion.dual, motion.has_scale);
+        }
+    }
+
+    /// Lets a joint follow `motion` where it followed its parent.
+    #[inline(always)]
+    fn add(&self, body: Body, stage: usize, motion: usize, rows: &mut Rows) {
+        let count = body.slots.len();
+        let palette = &body.motions.palette;
+        let parent = usize::from(body.motions.tree.parents[usize::from(self.joints.row(body.index)[stage])]);
+        let parts = &self.weights[self.weight_offsets[body.index] as usize + stage * count..][..count];
+        if palette.mode == Mode::Linear {
+            let [x, y, z] = rows.place.each_ref().map(|row| &row[..count]);
+            let (to, from) = (palette.alone(motion), palette.alone(parent));
+            for (axis, row) in rows.blend.iter_mut().take(3).enumerate() {
+                let [a, b, c, d]: [f64; 4] = std::array::from_fn(|i| to[i][axis] - from[i][axis]);
+                for (i, q) in row[..count].iter_mut().enumerate() {
+                    *q += parts[i] * (a * x[i] + b * y[i] + c * z[i] + d);
+                }
+            }
+            return;
+        }
+        let (to, from) = (palette.dual(motion), palette.dual(parent));
+        let turned = sub(to.rotation, from.rotation);
+        for (row, turned) in rows.blend.iter_mut().zip(turned) {
+            for (q, part) in row[..count].iter_mut().zip(parts) {
+                *q += part * turned;
+            }
+        }
+        let dual = std::array::from_fn(|i| sub(to.dual[i], from.dual[i]));
+        add_dual(rows, count, |i| parts[i], dual, to.has_scale || from.has_scale);
+    }
+}
+
+/// Adds parts of a dual quaternion's dual part at each point.
+#[inline(always)]
+fn add_dual(rows: &mut Rows, count: usize, part: impl Fn(usize) -> f64, dual: [V4; 4], has_scale: bool) {
+    let [x, y, z] = rows.place.each_ref().map(|row| &row[..count]);
+    for (lane, row) in rows.dual.iter_mut().enumerate() {
+        let [d, a, b, c] = [dual[0][lane], dual[1][lane], dual[2][lane], dual[3][lane]];
+        let row = &mut row[..count];
+        if has_scale {
+            for (i, sum) in row.iter_mut().enumerate() {
+                *sum += part(i) * (a * x[i] + b * y[i] + c * z[i] + d);
+            }
+        } else {
+            for (i, sum) in row.iter_mut().enumerate() {
+                *sum += part(i) * d;
+            }
         }
     }
 }
 
-fn difference(a: &Columns, b: &Columns) -> Columns {
-    std::array::from_fn(|i| sub(a[i], b[i]))
+/// Positions of all points, armature space − origin.
+#[inline(always)]
+fn place_all(body: Body, rows: &Rows, positions: &mut [V4]) {
+    let count = body.slots.len();
+    let palette = &body.motions.palette;
+    let positions = &mut positions[..count];
+    let [bx, by, bz, bw] = rows.blend.each_ref().map(|row| &row[..count]);
+    if palette.mode == Mode::Linear {
+        for (i, q) in positions.iter_mut().enumerate() {
+            *q = [bx[i], by[i], bz[i], 0.0];
+        }
+        return;
+    }
+    let [x, y, z] = rows.place.each_ref().map(|row| &row[..count]);
+    let [dx, dy, dz, dw] = rows.dual.each_ref().map(|row| &row[..count]);
+    let origin = lanes::from(palette.origin);
+    for (i, q) in positions.iter_mut().enumerate() {
+        // As `dual_quaternion::transform`, written out for many points side by side.
+        let vector_squared = bx[i] * bx[i] + by[i] * by[i] + bz[i] * bz[i];
+        let length_squared = vector_squared + bw[i] * bw[i];
+        let inverse = if length_squared == 0.0 { 0.0 } else { 1.0 / length_squared };
+        let kept = if length_squared == 0.0 { 1.0 } else { (bw[i] * bw[i] - vector_squared) * inverse };
+        let twice = 2.0 * inverse;
+        let along = bx[i] * x[i] + by[i] * y[i] + bz[i] * z[i] - dw[i];
+        let turned = |v: f64, t: f64, v_cross_p: f64, v_cross_t: f64| v * along + bw[i] * (v_cross_p + t) + v_cross_t;
+        *q = [
+            x[i] * kept + twice * turned(bx[i], dx[i], by[i] * z[i] - bz[i] * y[i], by[i] * dz[i] - bz[i] * dy[i]) - origin[0],
+            y[i] * kept + twice * turned(by[i], dy[i], bz[i] * x[i] - bx[i] * z[i], bz[i] * dx[i] - bx[i] * dz[i]) - origin[1],
+            z[i] * kept + twice * turned(bz[i], dz[i], bx[i] * y[i] - by[i] * x[i], bx[i] * dy[i] - by[i] * dx[i]) - origin[2],
+            0.0,
+        ];
+    }
+    let influences = &body.sites.influences;
+    if !influences.mask.is_empty() {
+        for (i, (q, &slot)) in positions.iter_mut().zip(body.slots).enumerate() {
+            let still = sub([x[i], y[i], z[i], 0.0], origin);
+            let mask = body.sites.of_slot(slot as usize).map(|site| body.sites.share(site) * influences.mask(site)).sum();
+            *q = add_scaled(still, sub(*q, still), mask);
+        }
+    }
 }
 
 /// Volume and area vector of a polygon.

@@ -29,8 +29,6 @@ pub(crate) struct Supports {
     pub jobs_of_patch: Csr<u32>,
     /// Per patch and one past the last: where its weights start, one row of padded slots per job.
     pub weight_offsets: Vec<u32>,
-    /// As many zeros: offsets of rows that are not there.
-    pub no_weights: Vec<u32>,
     /// Vicinity in 0..1, over the point's rest area (MATH §2, density).
     pub weights: Vec<f32>,
     /// Job that gives back each job's loss: itself, else the nearest above that holds anything; `None`: the whole shell.
@@ -106,7 +104,7 @@ impl Supports {
             .iter()
             .map(|job| tree.chain(job.joint as usize).filter_map(|j| find_job(jobs, j, job.component)).find(|&j| has_hold[j as usize]))
             .collect();
-        Self { jobs_of_patch, no_weights: vec![0; weight_offsets.len()], weight_offsets, weights, heirs, lengths }
+        Self { jobs_of_patch, weight_offsets, weights, heirs, lengths }
     }
 
     pub fn memory_bytes(&self) -> usize {

@@ -163,6 +163,14 @@ impl LossPlan {
         Self { jobs, bodies, deforming }
     }
 
+    /// Stages, where bodies are patches, then giants.
+    pub fn stages(&self) -> Option<&Stages> {
+        match &self.deforming {
+            Deforming::Stages(stages) => Some(stages),
+            Deforming::Forms(_) => None,
+        }
+    }
+
     /// What every joint did to every component by carrying bodies whole.
     pub fn carry(&self, motions: &Motions, moments: &[Moment], changes: &mut [Change]) {
         for (change, (job, moment)) in changes.iter_mut().zip(self.jobs.iter().zip(moments)) {
