@@ -80,8 +80,7 @@ pub struct Workspace {
     pub(crate) displacements: Vec<[f32; 3]>,
     /// Gradients as sweeps leave them, per local point of patches and corner of giants.
     sources: Vec<V4>,
-    /// Weight times bell, and times profile, as in `Supports::weights`.
-    heights: Vec<f32>,
+    /// Weight times profile, as in `Supports::weights`; empty while no joint has profiles.
     profiled: Vec<f32>,
     holds: Vec<Hold>,
     patches: Vec<PatchSums>,
@@ -168,7 +167,6 @@ impl Workspace {
             residual: coordinates(),
             displacements: vec![[0.0; 3]; slots],
             sources: vec![lanes::ZERO; binding.patches.source_count()],
-            heights: vec![0.0; supports.weights.len()],
             profiled: vec![0.0; if has_profiles { supports.weights.len() } else { 0 }],
             holds: vec![Hold::default(); supports.jobs_of_patch.values().len()],
             patches: vec![PatchSums::default(); binding.patches.list.len()],
@@ -188,7 +186,6 @@ impl Workspace {
         coordinates.iter().flat_map(|c| c.iter()).map(|c| size_of_val(&**c)).sum::<usize>()
             + vectors.iter().map(|v| size_of_val(&***v)).sum::<usize>()
             + size_of_val(&*self.displacements)
-            + size_of_val(&*self.heights)
             + size_of_val(&*self.profiled)
             + size_of_val(&*self.holds)
             + size_of_val(&*self.patches)
@@ -375,18 +372,17 @@ impl Workspace {
             patches.list.len(),
             (
                 ragged(&mut self.gradient, &patches.slot_offsets),
-                Ragged::new(&mut self.heights, &supports.weight_offsets),
                 Ragged::new(&mut self.profiled, profile_offsets),
                 Ragged::new(&mut self.holds, supports.jobs_of_patch.offsets()),
                 &mut *self.patches,
             ),
-            &|index, (gradient, heights, profiled, holds, sums)| {
+            &|index, (gradient, profiled, holds, sums)| {
                 let patch = &patches.list[index];
                 let slots = patch.start..patches.slot_offsets[index + 1] as usize;
                 let mut gradient = gradient.map(|row| row.values);
                 import_gradient(binding, index, sources, &mut gradient);
                 let gradient = gradient.map(|row| &*row);
-                let (mut squares, mut lengths): (Row, Row) = ([0.0; PATCH_POINTS], [0.0; PATCH_POINTS]);
+                let (mut squares, mut lengths, mut bell): (Row, Row, Row) = ([0.0; PATCH_POINTS], [0.0; PATCH_POINTS], [0.0; PATCH_POINTS]);
                 fields::measure(gradient, &mut squares, &mut lengths);
                 let places = places.map(|row| &row[slots.clone()]);
                 sums[0].wide_hold = fields::sum_and_most(&binding.inverse_areas[slots.clone()], &squares, &lengths).0;
@@ -401,19 +397,18 @@ impl Workspace {
                     let weights = &supports.weights[supports.weight_offsets[index] as usize..][at.clone()];
                     let profiles =
                         settings[binding.plan.jobs[job as usize].joint as usize].profiles.as_ref().filter(|_| state.frame.has_axes());
-                    if matches!(pass, Pass::All) {
-                        fields::bell_heights(weights, places, &state.frame, &mut heights.values[at.clone()]);
-                        if let Some(profiles) = profiles {
-                            for (i, profiled) in profiled.values[at.clone()].iter_mut().enumerate() {
-                                let p = places.map(|row| f64::from(row[i]));
-                                *profiled = weights[i] * state.frame.height(profiles, DVec3::from_array(p)) as f32;
-                            }
+                    let bell = &mut bell[..row_length];
+                    fields::bell_heights(weights, places, &state.frame, bell);
+                    if let (Pass::All, Some(profiles)) = (pass, profiles) {
+                        for (i, profiled) in profiled.values[at.clone()].iter_mut().enumerate() {
+                            let p = places.map(|row| f64::from(row[i]));
+                            *profiled = weights[i] * state.frame.height(profiles, DVec3::from_array(p)) as f32;
                         }
                     }
                     (hold.all, hold.all_most) = fields::sum_and_most(weights, &squares, &lengths);
-                    (hold.bell, hold.bell_most) = fields::sum_and_most(&heights.values[at.clone()], &squares, &lengths);
+                    (hold.bell, hold.bell_most) = fields::sum_and_most(bell, &squares, &lengths);
                     if state.frame.has_axes() {
-                        let shape = if profiles.is_some() { &profiled.values[at] } else { &heights.values[at] };
+                        let shape = if profiles.is_some() { &profiled.values[at] } else { &*bell };
                         for (axis, e) in state.frame.axes.iter().enumerate() {
                             (hold.along[axis], hold.along_most[axis]) = fields::sum_and_most_along(shape, gradient, e.as_vec3().to_array());
                         }
@@ -461,16 +456,17 @@ impl Workspace {
     /// Displacements by all fields at once, and the field of the residual: the same with every joint giving, none taking.
     pub(crate) fn apply(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
         let (jobs, components, patches) = (&self.jobs, &self.components, &binding.patches);
-        let (gradient, heights, profiled) = (self.gradient.each_ref().map(|c| &**c), &self.heights, &self.profiled);
+        let (gradient, places, profiled) = (self.gradient.each_ref().map(|c| &**c), self.places.each_ref().map(|c| &**c), &self.profiled);
         for_each_piece(
             patches.list.len(),
             (ragged(&mut self.moved, &patches.slot_offsets), ragged(&mut self.residual, &patches.slot_offsets)),
             &|index, (moved, residual)| {
                 let patch = &patches.list[index];
                 let slots = patch.start..patches.slot_offsets[index + 1] as usize;
-                let gradient = gradient.map(|row| &row[slots.clone()]);
+                let (gradient, places) = (gradient.map(|row| &row[slots.clone()]), places.map(|row| &row[slots.clone()]));
                 let component = &components[patch.component as usize];
                 let (mut by_gradient, mut residual_by_gradient): (Row, Row) = ([0.0; PATCH_POINTS], [0.0; PATCH_POINTS]);
+                let mut bell: Row = [0.0; PATCH_POINTS];
                 let areas = &binding.inverse_areas[slots.clone()];
                 let wide = |coefficient: f64, row: &mut Row| {
                     let coefficient = coefficient as f32;
@@ -488,11 +484,12 @@ impl Workspace {
                     let sign = if component.is_wide_only { 0.0 } else { state.volume.signum() as f32 };
                     let at = supports.weight_offsets[index] as usize + row * slots.len();
                     let at = at..at + slots.len();
-                    let (weights, bell) = (&supports.weights[at.clone()], &heights[at.clone()]);
+                    let (weights, bell) = (&supports.weights[at.clone()], &mut bell[..slots.len()]);
+                    fields::bell_heights(weights, places, &state.frame, bell);
                     fields::add_round(&state.field, sign, weights, bell, &mut by_gradient, &mut residual_by_gradient);
                     if state.frame.has_axes() {
                         let has_profiles = settings[binding.plan.jobs[job as usize].joint as usize].profiles.is_some();
-                        let shape = if has_profiles { &profiled[at] } else { bell };
+                        let shape = if has_profiles { &profiled[at] } else { &*bell };
                         fields::add_shaped(&state.field, sign, shape, gradient, reborrow(&mut moved), reborrow(&mut residual));
                     }
                 }
@@ -555,22 +552,24 @@ impl Workspace {
     /// Moves points by the fields of some jobs alone.
     fn move_by_jobs(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], mine: &[usize]) {
         let (jobs, patches) = (&self.jobs, &binding.patches);
-        let (gradient, heights, profiled) = (self.gradient.each_ref().map(|c| &**c), &self.heights, &self.profiled);
+        let (gradient, places, profiled) = (self.gradient.each_ref().map(|c| &**c), self.places.each_ref().map(|c| &**c), &self.profiled);
         for_each_piece(patches.list.len(), ragged(&mut self.moved, &patches.slot_offsets), &|index, moved| {
             let slots = patches.slot_offsets[index] as usize..patches.slot_offsets[index + 1] as usize;
-            let gradient = gradient.map(|row| &row[slots.clone()]);
+            let (gradient, places) = (gradient.map(|row| &row[slots.clone()]), places.map(|row| &row[slots.clone()]));
             let mut moved = moved.map(|row| row.values);
             for (row, &job) in supports.jobs_of_patch.row(index).iter().enumerate().filter(|(_, job)| mine.contains(&(**job as usize))) {
                 let state = &jobs[job as usize];
                 let at = supports.weight_offsets[index] as usize + row * slots.len();
                 let at = at..at + slots.len();
-                let (mut by_gradient, mut unused): (Row, Row) = ([0.0; PATCH_POINTS], [0.0; PATCH_POINTS]);
-                let bell = &heights[at.clone()];
-                fields::add_round(&state.field, 0.0, &supports.weights[at.clone()], bell, &mut by_gradient, &mut unused);
+                let (mut by_gradient, mut unused, mut bell): (Row, Row, Row) =
+                    ([0.0; PATCH_POINTS], [0.0; PATCH_POINTS], [0.0; PATCH_POINTS]);
+                let (weights, bell) = (&supports.weights[at.clone()], &mut bell[..slots.len()]);
+                fields::bell_heights(weights, places, &state.frame, bell);
+                fields::add_round(&state.field, 0.0, weights, bell, &mut by_gradient, &mut unused);
                 fields::add_along_gradient(&by_gradient, gradient, reborrow(&mut moved));
                 if state.frame.has_axes() {
                     let has_profiles = settings[binding.plan.jobs[job as usize].joint as usize].profiles.is_some();
-                    let shape = if has_profiles { &profiled[at] } else { bell };
+                    let shape = if has_profiles { &profiled[at] } else { &*bell };
                     let mut ignored: [Row; 3] = [[0.0; PATCH_POINTS]; 3];
                     fields::add_shaped(
                         &state.field,
@@ -590,10 +589,14 @@ impl Workspace {
         self.find_steps(binding);
         if self.components.iter().any(|state| state.is_wide_only) {
             // Fields that fight each other, or far too little skin: the whole shell takes what is left.
-            // `places` are done with: room for what `apply` would overwrite.
-            std::mem::swap(&mut self.moved, &mut self.places);
+            // `displacements` are not yet: room for what `apply` would overwrite.
+            for (slot, kept) in self.displacements.iter_mut().enumerate() {
+                *kept = self.moved.each_ref().map(|row| row[slot]);
+            }
             self.apply(binding, supports, settings);
-            std::mem::swap(&mut self.moved, &mut self.places);
+            for (axis, row) in self.moved.iter_mut().enumerate() {
+                row.iter_mut().zip(&self.displacements).for_each(|(moved, kept)| *moved = kept[axis]);
+            }
             self.find_steps(binding);
         }
     }

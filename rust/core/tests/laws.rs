@@ -1,0 +1,127 @@
+//! What holds for every mesh and every pose.
+
+mod character;
+
+use character::{bound, posed, skinning, tube};
+use glam::{DMat4, DVec3};
+use proptest::prelude::*;
+use turgor::{Joint, Mesh, Mode, Pose, Profile, Profiles, Shares, VolumeSkin};
+
+/// A turn of a bone, at most about 100 degrees.
+fn turn() -> impl Strategy<Value = DVec3> {
+    [-1.0..1.0, -1.0..1.0, -1.0..1.0].prop_map(DVec3::from_array)
+}
+
+fn turns(bones: usize) -> impl Strategy<Value = Vec<DVec3>> {
+    proptest::collection::vec(turn(), bones)
+}
+
+fn modes() -> impl Strategy<Value = Mode> {
+    prop_oneof![Just(Mode::Linear), Just(Mode::DualQuaternion)]
+}
+
+/// Corrected positions of one frame.
+fn corrected(body: &VolumeSkin, pose: &[DMat4]) -> Vec<DVec3> {
+    let mut workspace = body.workspace();
+    body.deform(&Pose::new(pose), &mut workspace).expect("a sound pose");
+    body.positions(&workspace).1
+}
+
+fn volume(mesh: &Mesh, positions: &[DVec3]) -> f64 {
+    mesh.component_volumes(positions).expect("as many positions").iter().sum()
+}
+
+fn mesh_of(faces: &character::Faces) -> Mesh {
+    Mesh::new(faces.0.clone(), &faces.1, &faces.2, 0.0).expect("a sound tube")
+}
+
+/// A bulge on the inside of the bend.
+fn bulge(bone: usize) -> Joint {
+    let curve = |f: fn(f64) -> f64| Profile::new(&(0..65).map(|i| f(f64::from(i) / 32.0 - 1.0)).collect::<Vec<f64>>()).expect("a curve");
+    let bell = || curve(|x| (-16.0 * x * x).exp());
+    let inside = curve(|x| x.max(0.0) * (-16.0 * x * x).exp());
+    let profiles = Profiles { axes: [bell(), bell(), inside], folded: None };
+    Joint { profiles: Some(profiles), shares: Shares::Axes([0.1, 0.1, 0.8]), ..Joint::isotropic(bone) }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn the_gradient_of_a_closed_surface_sums_to_nothing_and_has_no_moment(seed in proptest::collection::vec(turn(), 14 * 9 + 2)) {
+        let faces = tube(14, 9);
+        let mesh = mesh_of(&faces);
+        let positions: Vec<DVec3> = faces.0.iter().zip(&seed).map(|(p, s)| *p + *s * 0.1).collect();
+        let gradient = mesh.volume_gradient(&positions).expect("as many positions");
+        let sum: DVec3 = gradient.iter().sum();
+        let moment: DVec3 = positions.iter().zip(&gradient).map(|(p, g)| p.cross(*g)).sum();
+        let thrice: f64 = positions.iter().zip(&gradient).map(|(p, g)| p.dot(*g)).sum();
+        prop_assert!(sum.length() < 1e-13 && moment.length() < 1e-13);
+        prop_assert!((thrice - 3.0 * volume(&mesh, &positions)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn every_pose_keeps_its_volume(turns in turns(5), mode in modes(), is_shaped in any::<bool>()) {
+        let faces = tube(41, 16);
+        let joints: Vec<Joint> = if is_shaped { (0..5).map(bulge).collect() } else { Vec::new() };
+        let mesh = mesh_of(&faces);
+        let found = volume(&mesh, &corrected(&bound(&faces, 5, mode, &joints, &[]), &posed(&turns)));
+        let rest = volume(&mesh, &faces.0);
+        prop_assert!(((found - rest) / rest).abs() < 1e-13, "{found} instead of {rest}");
+    }
+
+    #[test]
+    fn losses_sum_to_what_skinning_takes(turns in turns(5), mode in modes()) {
+        let faces = tube(41, 16);
+        let body = bound(&faces, 5, mode, &[], &[]);
+        let mut workspace = body.workspace();
+        let report = body.deform(&Pose::new(&posed(&turns)), &mut workspace).expect("a sound pose");
+        let lost = report.target_volumes[0] - report.skinned_volumes[0];
+        prop_assert!((report.joint_losses.iter().sum::<f64>() - lost).abs() < 1e-12);
+    }
+
+    /// A shape key that moves nothing makes the engine sweep stages where it would use the closed form.
+    #[test]
+    fn closed_form_and_stages_find_the_same_losses(turns in turns(5)) {
+        let faces = tube(41, 16);
+        let still = vec![DVec3::ZERO; faces.0.len()];
+        let (closed, staged) = (bound(&faces, 5, Mode::Linear, &[], &[]), bound(&faces, 5, Mode::Linear, &[], &[still]));
+        let pose = posed(&turns);
+        let (mut first, mut second) = (closed.workspace(), staged.workspace());
+        let first = closed.deform(&Pose::new(&pose), &mut first).expect("a sound pose");
+        let second = staged.deform(&Pose::new(&pose), &mut second).expect("a sound pose");
+        for (a, b) in first.joint_losses.iter().zip(&second.joint_losses) {
+            prop_assert!((a - b).abs() < 1e-12, "{a} against {b}");
+        }
+    }
+
+    /// In a surface of several patches, each point is skinned with those it shares a patch with: not otherwise than alone.
+    #[test]
+    fn the_skin_is_that_of_skinning_alone(turns in turns(5), mode in modes()) {
+        let faces = tube(41, 16);
+        let pose = posed(&turns);
+        let body = bound(&faces, 5, mode, &[], &[]);
+        let mut workspace = body.workspace();
+        let report = body.deform(&Pose::new(&pose), &mut workspace).expect("a sound pose").clone();
+        let alone = skinning(&faces.0, 5, mode).deform(&faces.0, &pose, &DMat4::IDENTITY).expect("a sound pose");
+        for (a, b) in body.positions(&workspace).0.iter().zip(&alone) {
+            prop_assert!(a.distance(*b) < 1e-13);
+        }
+        prop_assert!((report.skinned_volumes[0] - volume(&mesh_of(&faces), &alone)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_frame_does_not_depend_on_threads_or_on_the_frame_before(turns in turns(5), before in turns(5), mode in modes()) {
+        let faces = tube(161, 24);
+        let body = bound(&faces, 5, mode, &[], &[]);
+        let pose = posed(&turns);
+        let pool = |threads: usize| rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool");
+        let one = pool(1).install(|| corrected(&body, &pose));
+        let three = pool(3).install(|| corrected(&body, &pose));
+        let mut workspace = body.workspace();
+        body.deform(&Pose::new(&posed(&before)), &mut workspace).expect("a sound pose");
+        body.deform(&Pose::new(&pose), &mut workspace).expect("a sound pose");
+        prop_assert_eq!(&one, &three);
+        prop_assert_eq!(&one, &body.positions(&workspace).1);
+    }
+}
