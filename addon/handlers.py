@@ -68,6 +68,14 @@ def render_end(*_arguments: Any) -> None:
     runtime.session.is_rendering = False
 
 
+def follow_dragged_curve() -> float:
+    """A timer: while the artist drags a point of a curve, Blender tells nobody."""
+    ob = None if _is_idle() else getattr(bpy.context, "object", None)
+    if ob is None or not start.follow_curves(ob):
+        return SECONDS_BETWEEN_LOOKS
+    return SECONDS_BETWEEN_DRAGS
+
+
 def _is_idle() -> bool:
     return runtime.session.is_quiet or not node_group.exists()
 
@@ -94,6 +102,10 @@ def _redraw_panels() -> None:
                     area.tag_redraw()
 
 
+# How often the active object is looked at: without, and with curves that may be dragged.
+SECONDS_BETWEEN_LOOKS = 0.5
+SECONDS_BETWEEN_DRAGS = 0.05
+
 HANDLERS = (
     ("load_post", load_post),
     ("frame_change_pre", frame_change_pre),
@@ -111,9 +123,13 @@ def register() -> None:
     properties.TurgorCarrier.on_tick = staticmethod(pull.on_tick)
     for event, handler in HANDLERS:
         getattr(bpy.app.handlers, event).append(handler)
+    if not bpy.app.background:
+        bpy.app.timers.register(follow_dragged_curve, persistent=True)
 
 
 def unregister() -> None:
+    if bpy.app.timers.is_registered(follow_dragged_curve):
+        bpy.app.timers.unregister(follow_dragged_curve)
     for event, handler in reversed(HANDLERS):
         getattr(bpy.app.handlers, event).remove(handler)
     properties.TurgorCarrier.on_tick = staticmethod(properties.ignore_tick)

@@ -54,7 +54,7 @@ def follow(depsgraph: bpy.types.Depsgraph) -> None:
     # Dragging a curve's point comes without any name.
     if not updated or any(isinstance(item, bpy.types.NodeTree) for item in updated):
         for target in housekeeping.characters():
-            _follow_curves(target)
+            follow_curves(target)
 
 
 def _keep_house(objects: list[bpy.types.Object]) -> None:
@@ -68,12 +68,15 @@ def _follow_character(target: bpy.types.Object, *, is_edited: bool) -> None:
     known = runtime.character(target.session_uid)
     known.is_stale = known.is_stale or is_edited or known.signature != stack.signature(target)
     if not known.is_stale:
-        _follow_curves(target)
+        follow_curves(target)
     elif target.mode not in EDITING_MODES:
         known.is_stale = False
         binding.bind(target)
 
 
-def _follow_curves(target: bpy.types.Object) -> None:
-    if profiles.has_custom(target):
-        binding.refresh_tables(target)
+def follow_curves(target: bpy.types.Object) -> bool:
+    """Use the target's own curves as they are drawn now; False when it has none."""
+    if stack.volume_modifier(target) is None or not profiles.has_custom(target):
+        return False
+    binding.refresh_tables(target)
+    return True

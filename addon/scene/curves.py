@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 SAMPLE_COUNT = 129
-# A curve is drawn through the fewest points that keep it this close to the table, in heights of the widget.
+# A curve gets points until it is this close to the table, in heights of the widget, but for the spacing below.
 FIT_TOLERANCE = 0.01
 MAX_POINTS = 48
+# Samples between two points at least: closer ones are no help to an artist.
+MIN_SPACING = 3
 
 Tables = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
@@ -70,21 +72,34 @@ def _sample_node(node: bpy.types.ShaderNodeFloatCurve) -> NDArray[np.float64]:
 
 
 def _fit(mapping: bpy.types.CurveMapping, table: NDArray[np.float64]) -> None:
-    """Draw the curve through the ends and the peak, then through where it is farthest from the table."""
+    """Draw the curve through the ends and the peak, then through where it is farthest from the table.
+
+    Points that later ones made needless are taken away again: artists drag few points better than many.
+    """
     mapping.extend = "HORIZONTAL"
     mapping.use_clip = True
     mapping.clip_min_x, mapping.clip_min_y, mapping.clip_max_x, mapping.clip_max_y = 0.0, 0.0, 1.0, 1.0
-    places = {0, len(table) - 1, int(np.argmax(table))}
-    xs = np.linspace(0.0, 1.0, len(table))
-    while True:
-        _write_points(mapping.curves[0], [(xs[place], table[place]) for place in sorted(places)])
-        mapping.update()
-        drawn = np.array([mapping.evaluate(mapping.curves[0], float(x)) for x in xs])
-        errors = np.abs(drawn - table)
-        errors[list(places)] = 0.0
-        if errors.max() <= FIT_TOLERANCE or len(places) >= MAX_POINTS:
-            return
+    peak = int(np.argmax(table))
+    places = {0, peak, len(table) - 1}
+    errors = _draw_through(mapping, table, places)
+    while errors.max() > FIT_TOLERANCE and len(places) < MAX_POINTS:
         places.add(int(np.argmax(errors)))
+        errors = _draw_through(mapping, table, places)
+    for place in sorted(places - {0, peak, len(table) - 1}):
+        if _draw_through(mapping, table, places - {place}).max() <= FIT_TOLERANCE:
+            places.remove(place)
+    _draw_through(mapping, table, places)
+
+
+def _draw_through(mapping: bpy.types.CurveMapping, table: NDArray[np.float64], places: set[int]) -> NDArray[np.float64]:
+    """Distance from the table at each of its samples, 0 at the places."""
+    xs = np.linspace(0.0, 1.0, len(table))
+    _write_points(mapping.curves[0], [(xs[place], table[place]) for place in sorted(places)])
+    mapping.update()
+    errors = np.abs([mapping.evaluate(mapping.curves[0], float(x)) for x in xs] - table)
+    for place in places:
+        errors[max(place - MIN_SPACING, 0) : place + MIN_SPACING + 1] = 0.0
+    return errors
 
 
 def _write_points(curve: bpy.types.CurveMap, points: list[tuple[float, float]]) -> None:
