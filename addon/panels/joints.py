@@ -9,6 +9,8 @@ from .percent import signed_percent
 
 # Losses below this many percent of the rest volume are drawn without emphasis.
 NOTABLE_PERCENT = 0.005
+# Below this many pixels, at a user interface scale of 1, the list has one column of numbers.
+NARROW_WIDTH = 270
 
 
 class TURGOR_UL_joints(bpy.types.UIList):
@@ -29,13 +31,13 @@ class TURGOR_UL_joints(bpy.types.UIList):
         flt_flag: int | None = 0,
     ) -> None:
         figures = _figures(item)
-        name, by_skinning, by_turgor = columns(layout)
+        name, *numbers = columns(layout, context)
         name.label(text=item.name, icon="ERROR" if figures is not None and figures.is_capped else "NONE")
         if figures is None:
-            by_turgor.label(text="–")
+            numbers[-1].label(text="–")
             return
         is_notable = abs(figures.lost) >= NOTABLE_PERCENT
-        for cell, value in ((by_skinning, -figures.lost), (by_turgor, figures.regained)):
+        for cell, value in zip(numbers, (-figures.lost, figures.regained), strict=False):
             cell.active = is_notable
             cell.label(text=signed_percent(value, 2))
 
@@ -67,12 +69,17 @@ class TURGOR_UL_joints(bpy.types.UIList):
         return flags, [places[place] for place in range(len(joints))]
 
 
-def columns(layout: bpy.types.UILayout) -> tuple[bpy.types.UILayout, bpy.types.UILayout, bpy.types.UILayout]:
-    """Cells of a line: the joint, what skinning does to its volume, what Turgor does; the last two right-aligned."""
-    name, numbers = (split := layout.split(factor=0.55)).row(), split.row()
-    by_skinning, by_turgor = (numbers.row(align=True) for _ in range(2))
-    by_skinning.alignment = by_turgor.alignment = "RIGHT"
-    return name, by_skinning, by_turgor
+def columns(layout: bpy.types.UILayout, context: bpy.types.Context) -> list[bpy.types.UILayout]:
+    """Cells of a line: the joint, what skinning does to its volume, and where there is room what Turgor does."""
+    is_narrow = context.region.width < NARROW_WIDTH * context.preferences.system.ui_scale
+    split = layout.split(factor=0.6 if is_narrow else 0.55)
+    cells = [split.row()]
+    numbers = split.row()
+    for _ in range(1 if is_narrow else 2):
+        cell = numbers.row(align=True)
+        cell.alignment = "RIGHT"
+        cells.append(cell)
+    return cells
 
 
 def _figures(joint: bpy.types.PropertyGroup) -> runtime.JointFigures | None:

@@ -13,7 +13,7 @@ from .percent import signed_percent
 
 PARENT_PANEL = "TURGOR_PT_volume"
 # Pixels of the panel per character of text, at a user interface scale of 1.
-CHARACTER_WIDTH = 7.0
+CHARACTER_WIDTH = 6.4
 # An error from here on is rounded as roughly as that of plain skinning.
 VISIBLE_PERCENT = 0.005
 # Width of the list's scroll bar and frame, in widgets.
@@ -43,7 +43,7 @@ class TURGOR_PT_volume(bpy.types.Panel):
         _draw_problem(self.layout, context, known)
         _draw_readout(self.layout, known)
         _draw_notes(self.layout, context, known)
-        _draw_joints(self.layout, ob)
+        _draw_joints(self.layout, context, ob)
         draw_joint(self.layout, ob)
 
 
@@ -87,7 +87,9 @@ def _draw_problem(layout: bpy.types.UILayout, context: bpy.types.Context, known:
     box.alert = True
     _draw_wrapped(box, context, known.problem, "ERROR")
     if known.needs_rebind:
-        box.operator("object.turgor_volume_rebind", icon="FILE_REFRESH")
+        button = box.row()
+        button.alert = False
+        button.operator("object.turgor_volume_rebind", icon="FILE_REFRESH")
 
 
 def _draw_readout(layout: bpy.types.UILayout, known: runtime.Character) -> None:
@@ -111,11 +113,11 @@ def _draw_notes(layout: bpy.types.UILayout, context: bpy.types.Context, known: r
         _draw_wrapped(column, context, note, "INFO")
 
 
-def _draw_joints(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
+def _draw_joints(layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy.types.Object) -> None:
     column = layout.column(align=True)
     header = column.row()
     header.active = False
-    for cell, text in zip(columns(header), ("Joint", "Skinning", "Turgor"), strict=True):
+    for cell, text in zip(columns(header, context), ("Joint", "Skinning", "Turgor"), strict=False):
         cell.label(text=text)
     header.separator(factor=LIST_MARGIN)
     column.template_list("TURGOR_UL_joints", "", ob.turgor, "joints", ob.turgor, "active_joint", rows=6)

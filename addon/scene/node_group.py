@@ -79,6 +79,8 @@ def _write_interface(group: bpy.types.GeometryNodeTree) -> None:
     strength = new_socket("Strength", in_out="INPUT", socket_type="NodeSocketFloat")
     strength.description = "Part of the correction to show; 0 is plain skinning"
     strength.subtype = "FACTOR"
+    strength.structure_type = "SINGLE"
+    strength.force_non_field = True
     strength.min_value, strength.max_value, strength.default_value = 0.0, 1.0, 1.0
     hidden = [new_socket("Carrier", in_out="INPUT", socket_type="NodeSocketObject")]
     for name in ("Armature in Viewport", "Armature in Render"):

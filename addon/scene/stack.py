@@ -116,7 +116,7 @@ def _most_levels() -> tuple[int, int]:
 
 def _armature_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> str | None:
     if armature.object is None or armature.object.type != "ARMATURE":
-        return f"{armature.name} has no armature: choose one in its Object field"
+        return f"Modifier {armature.name} has no armature object: choose one"
     if armature.use_multi_modifier:
         return f"{armature.name} uses Multi Modifier, which blends two armatures: turn it off"
     if armature.use_bone_envelopes or not armature.use_vertex_groups:
