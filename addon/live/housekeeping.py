@@ -24,7 +24,9 @@ def add(target: bpy.types.Object) -> None:
     target.modifiers.move(len(modifiers), modifiers.index(armature) + 1)
     ours.node_group = node_group.ensure()
     ours.show_in_editmode = armature.show_in_editmode
-    ours.show_group_selector = ours.show_manage_panel = False
+    ours.show_group_selector = False
+    if hasattr(ours, "show_manage_panel"):  # from Blender 5.0 on
+        ours.show_manage_panel = False
     saved = target.turgor
     saved.version = properties.DATA_VERSION
     saved.bound_frame = bpy.context.scene.frame_current
