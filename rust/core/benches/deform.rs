@@ -25,8 +25,7 @@ fn deform(criterion: &mut Criterion) {
             group.throughput(Throughput::Elements(vertices as u64));
             group.bench_function(BenchmarkId::new(name, format!("{vertices} vertices, {bones} bones")), |bencher| {
                 bencher.iter(|| {
-                    body.deform(black_box(&Pose::new(&pose)), &mut workspace).expect("a sound pose");
-                    body.write_offsets(&workspace, &mut offsets);
+                    body.deform(black_box(&Pose::new(&pose)), &mut workspace, &mut offsets).expect("a sound pose");
                 });
             });
         }

@@ -22,6 +22,7 @@ pub(crate) struct Binding {
     pub patches: Patches,
     /// Per vertex; `NO_SLOT` for one of no sound component.
     pub slot_of_vertex: Vec<u32>,
+    pub component_of_vertex: Vec<u32>,
     pub sites: Sites,
     pub rest_centre: DVec3,
     /// Per shape key, displacement per site.
@@ -76,6 +77,7 @@ impl Binding {
         Self {
             components: topology.components.clone(),
             slot_of_vertex: topology.point_of_vertex.iter().map(|&point| patches.slot_of_point[point as usize]).collect(),
+            component_of_vertex: topology.point_of_vertex.iter().map(|&point| topology.component_of_point[point as usize]).collect(),
             masses: masses(&influences, &centred, tree.len()),
             size: in_armature.iter().map(|p| p.distance(armature_from_rest.translation)).fold(0.0, f64::max),
             motions: Motions::new(tree, joint_rest, skinning.mode),
@@ -124,6 +126,7 @@ impl Binding {
     pub fn memory_bytes(&self) -> usize {
         self.patches.memory_bytes()
             + size_of_val(&*self.slot_of_vertex)
+            + size_of_val(&*self.component_of_vertex)
             + self.sites.memory_bytes()
             + self.shape_deltas.iter().map(|d| size_of_val(&**d)).sum::<usize>()
             + self.plan.memory_bytes()

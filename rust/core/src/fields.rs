@@ -13,7 +13,6 @@ pub(crate) type Row = [f32; PATCH_POINTS];
 
 /// Three coordinates of the points of one patch.
 pub(crate) type Rows<'a> = [&'a [f32]; 3];
-pub(crate) type RowsMut<'a> = [&'a mut [f32]; 3];
 
 /// Squares and lengths of vectors.
 #[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
@@ -76,26 +75,75 @@ pub(crate) fn sum_and_most_along(weights: &[f32], gradient: Rows, axis: [f32; 3]
     (sum(sums), largest(most))
 }
 
-/// Coefficients of the gradient in the field and in the residual's field, where they need no axes.
+/// What the fields of a patch and the residual's field add to its points.
+pub(crate) struct PatchFields {
+    /// Factors on the gradient: what needs no axes.
+    by_gradient: Row,
+    residual_by_gradient: Row,
+    moved: [Row; 3],
+    residual: [Row; 3],
+}
+
+impl PatchFields {
+    pub fn new() -> Self {
+        let none = [0.0; PATCH_POINTS];
+        Self { by_gradient: none, residual_by_gradient: none, moved: [none; 3], residual: [none; 3] }
+    }
+
+    #[inline]
+    pub fn moved(&self, i: usize) -> [f32; 4] {
+        [self.moved[0][i], self.moved[1][i], self.moved[2][i], 0.0]
+    }
+
+    #[inline]
+    pub fn residual(&self, i: usize) -> [f32; 4] {
+        [self.residual[0][i], self.residual[1][i], self.residual[2][i], 0.0]
+    }
+
+    /// The field of the whole shell.
+    pub fn add_wide(&mut self, inverse_areas: &[f32], field: f64, residual: f64) {
+        let (field, residual) = (field as f32, residual as f32);
+        for ((moved, rest), area) in self.by_gradient.iter_mut().zip(&mut self.residual_by_gradient).zip(inverse_areas) {
+            *moved += area * field;
+            *rest += area * residual;
+        }
+    }
+
+    /// What a joint gives without axes: by its bell, and by all of its vicinity.
+    pub fn add_round(&mut self, field: &Field, sign: f32, weights: &[f32], bell: &[f32]) {
+        add_factors(field, sign, weights, bell, &mut self.by_gradient, &mut self.residual_by_gradient);
+    }
+
+    /// What a joint gives along its axes.
+    pub fn add_shaped(&mut self, field: &Field, sign: f32, heights: &[f32], gradient: Rows) {
+        add_along_axes(field, sign, heights, gradient, &mut self.moved, &mut self.residual);
+    }
+
+    /// Ends the sums: adds what goes along the gradient.
+    pub fn add_along(&mut self, gradient: Rows) {
+        add_along_gradient(&self.by_gradient, gradient, &mut self.moved);
+        add_along_gradient(&self.residual_by_gradient, gradient, &mut self.residual);
+    }
+}
+
 #[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
-pub(crate) fn add_round(field: &Field, sign: f32, weights: &[f32], heights: &[f32], coefficients: &mut Row, residual: &mut Row) {
+fn add_factors(field: &Field, sign: f32, weights: &[f32], heights: &[f32], by_gradient: &mut Row, residual: &mut Row) {
     let count = weights.len();
-    let (heights, coefficients, residual) = (&heights[..count], &mut coefficients[..count], &mut residual[..count]);
+    let (heights, by_gradient, residual) = (&heights[..count], &mut by_gradient[..count], &mut residual[..count]);
     let (bell, all) = (field.bell as f32, field.all as f32);
     for i in 0..count {
         let added = heights[i] * bell + weights[i] * all;
-        coefficients[i] += added;
+        by_gradient[i] += added;
         residual[i] += added * sign;
     }
 }
 
-/// Displacements along the axes of a joint.
 #[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
-pub(crate) fn add_shaped(field: &Field, sign: f32, heights: &[f32], gradient: Rows, moved: RowsMut, residual: RowsMut) {
+fn add_along_axes(field: &Field, sign: f32, heights: &[f32], gradient: Rows, moved: &mut [Row; 3], residual: &mut [Row; 3]) {
     let count = heights.len();
     let m = field.shaped.as_mat3().to_cols_array();
     let [gx, gy, gz] = gradient.map(|row| &row[..count]);
-    for (axis, (moved, residual)) in moved.into_iter().zip(residual).enumerate() {
+    for (axis, (moved, residual)) in moved.iter_mut().zip(residual).enumerate() {
         let (moved, residual) = (&mut moved[..count], &mut residual[..count]);
         let [a, b, c] = [m[axis], m[3 + axis], m[6 + axis]];
         for i in 0..count {
@@ -106,12 +154,11 @@ pub(crate) fn add_shaped(field: &Field, sign: f32, heights: &[f32], gradient: Ro
     }
 }
 
-/// Displacements along the gradient.
 #[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
-pub(crate) fn add_along_gradient(coefficients: &Row, gradient: Rows, moved: RowsMut) {
-    for (moved, gradient) in moved.into_iter().zip(gradient) {
-        for ((moved, gradient), coefficient) in moved.iter_mut().zip(gradient).zip(coefficients) {
-            *moved += gradient * coefficient;
+fn add_along_gradient(factors: &Row, gradient: Rows, moved: &mut [Row; 3]) {
+    for (moved, gradient) in moved.iter_mut().zip(gradient) {
+        for ((moved, gradient), factor) in moved.iter_mut().zip(gradient).zip(factors) {
+            *moved += gradient * factor;
         }
     }
 }

@@ -2,17 +2,18 @@
 
 use glam::{DAffine3, DMat4, DVec3};
 use multiversion::multiversion;
+use rayon::prelude::*;
 
 use crate::binding::Binding;
 use crate::correction::{Field, FieldFrame, Hold};
 use crate::error::{Error, Result};
-use crate::fields::{self, Row};
+use crate::fields::{self, PatchFields, Row};
 use crate::joint::{Joint, Shares};
-use crate::lanes::{self, V4, add};
+use crate::lanes::{self, V4, add, add_scaled, scale};
 use crate::motions::Motions;
 use crate::patches::{PATCH_POINTS, Patch, Patches};
 use crate::report::Report;
-use crate::skinning::{check_object, check_pose};
+use crate::skinning::{CHUNK, check_object, check_pose, columns};
 use crate::split::{Ragged, for_each_piece};
 use crate::stages::{Body, ROWS, Rows, giant_moment, giant_volume};
 use crate::supports::Supports;
@@ -73,11 +74,8 @@ pub struct Workspace {
     places: Coordinates,
     /// In units of the mean area.
     gradient: Coordinates,
-    /// What the fields add, and what a unit of the residual adds.
-    moved: Coordinates,
-    residual: Coordinates,
-    /// Corrected − skinned, object space.
-    pub(crate) displacements: Vec<[f32; 3]>,
+    /// Per slot.
+    moves: Vec<Move>,
     /// Gradients as sweeps leave them, per local point of patches and corner of giants.
     sources: Vec<V4>,
     /// Weight times profile, as in `Supports::weights`; empty while no joint has profiles.
@@ -90,6 +88,15 @@ pub struct Workspace {
     pub(crate) report: Report,
 }
 
+/// How one point moves: (x, y, z, 0) each.
+#[derive(Debug, Clone, Copy, Default)]
+struct Move {
+    /// By the fields.
+    by: [f32; 4],
+    /// By a unit of the residual's field.
+    residual: [f32; 4],
+}
+
 /// What the sweeps find in one patch.
 #[derive(Debug, Clone, Copy, Default)]
 struct PatchSums {
@@ -97,7 +104,6 @@ struct PatchSums {
     cubic: VolumeCubic,
     wide_hold: f64,
     gap_squared: f64,
-    largest_squared: f64,
 }
 
 /// One joint in one component, in one frame.
@@ -163,9 +169,7 @@ impl Workspace {
             skinned: vec![lanes::ZERO; slots],
             places: coordinates(),
             gradient: coordinates(),
-            moved: coordinates(),
-            residual: coordinates(),
-            displacements: vec![[0.0; 3]; slots],
+            moves: vec![Move::default(); slots],
             sources: vec![lanes::ZERO; binding.patches.source_count()],
             profiled: vec![0.0; if has_profiles { supports.weights.len() } else { 0 }],
             holds: vec![Hold::default(); supports.jobs_of_patch.values().len()],
@@ -181,11 +185,11 @@ impl Workspace {
 
     /// Heap memory that grows with the mesh.
     pub fn memory_bytes(&self) -> usize {
-        let coordinates = [&self.places, &self.gradient, &self.moved, &self.residual];
+        let coordinates = [&self.places, &self.gradient];
         let vectors = [&self.rest, &self.giant_positions, &self.skinned, &self.sources];
         coordinates.iter().flat_map(|c| c.iter()).map(|c| size_of_val(&**c)).sum::<usize>()
             + vectors.iter().map(|v| size_of_val(&***v)).sum::<usize>()
-            + size_of_val(&*self.displacements)
+            + size_of_val(&*self.moves)
             + size_of_val(&*self.profiled)
             + size_of_val(&*self.holds)
             + size_of_val(&*self.patches)
@@ -455,53 +459,57 @@ impl Workspace {
 
     /// Displacements by all fields at once, and the field of the residual: the same with every joint giving, none taking.
     pub(crate) fn apply(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
+        self.add_fields(binding, supports, settings, Pass::All, |old, new| *old = new);
+    }
+
+    /// Computes the fields of some jobs in each patch; `keep` takes what they make of each point's move.
+    fn add_fields(
+        &mut self,
+        binding: &Binding,
+        supports: &Supports,
+        settings: &[Joint],
+        pass: Pass,
+        keep: impl Fn(&mut Move, Move) + Sync,
+    ) {
         let (jobs, components, patches) = (&self.jobs, &self.components, &binding.patches);
         let (gradient, places, profiled) = (self.gradient.each_ref().map(|c| &**c), self.places.each_ref().map(|c| &**c), &self.profiled);
-        for_each_piece(
-            patches.list.len(),
-            (ragged(&mut self.moved, &patches.slot_offsets), ragged(&mut self.residual, &patches.slot_offsets)),
-            &|index, (moved, residual)| {
-                let patch = &patches.list[index];
-                let slots = patch.start..patches.slot_offsets[index + 1] as usize;
-                let (gradient, places) = (gradient.map(|row| &row[slots.clone()]), places.map(|row| &row[slots.clone()]));
-                let component = &components[patch.component as usize];
-                let (mut by_gradient, mut residual_by_gradient): (Row, Row) = ([0.0; PATCH_POINTS], [0.0; PATCH_POINTS]);
-                let mut bell: Row = [0.0; PATCH_POINTS];
-                let areas = &binding.inverse_areas[slots.clone()];
-                let wide = |coefficient: f64, row: &mut Row| {
-                    let coefficient = coefficient as f32;
-                    row.iter_mut().zip(areas).for_each(|(sum, area)| *sum = area * coefficient);
-                };
-                wide(component.wide_field, &mut by_gradient);
-                wide(component.wide_residual, &mut residual_by_gradient);
-                let (mut moved, mut residual) = (moved.map(|row| row.values), residual.map(|row| row.values));
-                moved.iter_mut().chain(&mut residual).for_each(|row| row.fill(0.0));
-                for (row, &job) in supports.jobs_of_patch.row(index).iter().enumerate() {
-                    let state = &jobs[job as usize];
-                    if !state.frame.is_active {
-                        continue;
-                    }
-                    let sign = if component.is_wide_only { 0.0 } else { state.volume.signum() as f32 };
-                    let at = supports.weight_offsets[index] as usize + row * slots.len();
-                    let at = at..at + slots.len();
-                    let (weights, bell) = (&supports.weights[at.clone()], &mut bell[..slots.len()]);
-                    fields::bell_heights(weights, places, &state.frame, bell);
-                    fields::add_round(&state.field, sign, weights, bell, &mut by_gradient, &mut residual_by_gradient);
-                    if state.frame.has_axes() {
-                        let has_profiles = settings[binding.plan.jobs[job as usize].joint as usize].profiles.is_some();
-                        let shape = if has_profiles { &profiled[at] } else { &*bell };
-                        fields::add_shaped(&state.field, sign, shape, gradient, reborrow(&mut moved), reborrow(&mut residual));
-                    }
+        for_each_piece(patches.list.len(), Ragged::new(&mut self.moves, &patches.slot_offsets), &|index, moves| {
+            let patch = &patches.list[index];
+            let slots = patch.start..patches.slot_offsets[index + 1] as usize;
+            let (gradient, places) = (gradient.map(|row| &row[slots.clone()]), places.map(|row| &row[slots.clone()]));
+            let component = &components[patch.component as usize];
+            let mut fields = PatchFields::new();
+            if matches!(pass, Pass::All) {
+                fields.add_wide(&binding.inverse_areas[slots.clone()], component.wide_field, component.wide_residual);
+            }
+            let mut bell: Row = [0.0; PATCH_POINTS];
+            let bell = &mut bell[..slots.len()];
+            for (row, &job) in supports.jobs_of_patch.row(index).iter().enumerate() {
+                let state = &jobs[job as usize];
+                if !state.frame.is_active || !pass.concerns(job as usize) {
+                    continue;
                 }
-                fields::add_along_gradient(&by_gradient, gradient, moved);
-                fields::add_along_gradient(&residual_by_gradient, gradient, residual);
-            },
-        );
+                let sign = if component.is_wide_only { 0.0 } else { state.volume.signum() as f32 };
+                let at = supports.weight_offsets[index] as usize + row * slots.len();
+                let at = at..at + slots.len();
+                let weights = &supports.weights[at.clone()];
+                fields::bell_heights(weights, places, &state.frame, bell);
+                fields.add_round(&state.field, sign, weights, bell);
+                if state.frame.has_axes() {
+                    let has_profiles = settings[binding.plan.jobs[job as usize].joint as usize].profiles.is_some();
+                    fields.add_shaped(&state.field, sign, if has_profiles { &profiled[at] } else { bell }, gradient);
+                }
+            }
+            fields.add_along(gradient);
+            for (i, old) in moves.values.iter_mut().enumerate() {
+                keep(old, Move { by: fields.moved(i), residual: fields.residual(i) });
+            }
+        });
     }
 
     /// The paper's order: parents first, axis after axis, each on the mesh so far. The residual's field stays as `apply` made it.
     pub(crate) fn apply_in_order(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
-        self.moved.iter_mut().for_each(|row| row.fill(0.0));
+        self.moves.iter_mut().for_each(|point| point.by = [0.0; 4]);
         for joint in 0..binding.motions.tree.len() {
             let is_mine = |job: usize, jobs: &[JobState]| binding.plan.jobs[job].joint as usize == joint && jobs[job].frame.is_active;
             let mine: Vec<usize> = (0..self.jobs.len()).filter(|&job| is_mine(job, &self.jobs)).collect();
@@ -525,7 +533,9 @@ impl Workspace {
                     let axes = Shares::Axes(std::array::from_fn(|axis| f64::from(u8::from(axis == step))));
                     state.take(Field::new(&state.frame.for_step(step), &state.hold, axes, state.volume * shares[step]));
                 }
-                self.move_by_jobs(binding, supports, settings, &mine);
+                self.add_fields(binding, supports, settings, Pass::Some(&mine), |old, new| {
+                    old.by = std::array::from_fn(|i| old.by[i] + new.by[i]);
+                });
             }
         }
     }
@@ -533,8 +543,8 @@ impl Workspace {
     /// Gradient of the surface moved so far.
     fn sweep_moved(&mut self, binding: &Binding) {
         let patches = &binding.patches;
-        let (skinned, moved) = (&self.skinned, &self.moved);
-        let place = |slot: usize| add(skinned[slot], vector(moved, slot));
+        let (skinned, moves) = (&self.skinned, &self.moves);
+        let place = |slot: usize| add(skinned[slot], widened(moves[slot].by));
         let (sources, giant_sources) = self.sources.split_at_mut(patches.patch_source_count());
         let arrays = (ragged(&mut self.gradient, &patches.slot_offsets), Ragged::new(sources, &patches.source_offsets));
         for_each_piece(patches.list.len(), arrays, &|index, (gradient, sources)| {
@@ -549,63 +559,21 @@ impl Workspace {
         sweep_giants(binding, &mut self.giant_volumes, giant_sources, place);
     }
 
-    /// Moves points by the fields of some jobs alone.
-    fn move_by_jobs(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], mine: &[usize]) {
-        let (jobs, patches) = (&self.jobs, &binding.patches);
-        let (gradient, places, profiled) = (self.gradient.each_ref().map(|c| &**c), self.places.each_ref().map(|c| &**c), &self.profiled);
-        for_each_piece(patches.list.len(), ragged(&mut self.moved, &patches.slot_offsets), &|index, moved| {
-            let slots = patches.slot_offsets[index] as usize..patches.slot_offsets[index + 1] as usize;
-            let (gradient, places) = (gradient.map(|row| &row[slots.clone()]), places.map(|row| &row[slots.clone()]));
-            let mut moved = moved.map(|row| row.values);
-            for (row, &job) in supports.jobs_of_patch.row(index).iter().enumerate().filter(|(_, job)| mine.contains(&(**job as usize))) {
-                let state = &jobs[job as usize];
-                let at = supports.weight_offsets[index] as usize + row * slots.len();
-                let at = at..at + slots.len();
-                let (mut by_gradient, mut unused, mut bell): (Row, Row, Row) =
-                    ([0.0; PATCH_POINTS], [0.0; PATCH_POINTS], [0.0; PATCH_POINTS]);
-                let (weights, bell) = (&supports.weights[at.clone()], &mut bell[..slots.len()]);
-                fields::bell_heights(weights, places, &state.frame, bell);
-                fields::add_round(&state.field, 0.0, weights, bell, &mut by_gradient, &mut unused);
-                fields::add_along_gradient(&by_gradient, gradient, reborrow(&mut moved));
-                if state.frame.has_axes() {
-                    let has_profiles = settings[binding.plan.jobs[job as usize].joint as usize].profiles.is_some();
-                    let shape = if has_profiles { &profiled[at] } else { &*bell };
-                    let mut ignored: [Row; 3] = [[0.0; PATCH_POINTS]; 3];
-                    fields::add_shaped(
-                        &state.field,
-                        0.0,
-                        shape,
-                        gradient,
-                        reborrow(&mut moved),
-                        ignored.each_mut().map(|row| &mut row[..]),
-                    );
-                }
-            }
-        });
-    }
-
     /// Steps along the residual's field until every component has its target, by the exact cubic.
     pub(crate) fn remove_residual(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
         self.find_steps(binding);
         if self.components.iter().any(|state| state.is_wide_only) {
             // Fields that fight each other, or far too little skin: the whole shell takes what is left.
-            // `displacements` are not yet: room for what `apply` would overwrite.
-            for (slot, kept) in self.displacements.iter_mut().enumerate() {
-                *kept = self.moved.each_ref().map(|row| row[slot]);
-            }
-            self.apply(binding, supports, settings);
-            for (axis, row) in self.moved.iter_mut().enumerate() {
-                row.iter_mut().zip(&self.displacements).for_each(|(moved, kept)| *moved = kept[axis]);
-            }
+            self.add_fields(binding, supports, settings, Pass::All, |old, new| old.residual = new.residual);
             self.find_steps(binding);
         }
     }
 
     fn find_steps(&mut self, binding: &Binding) {
         let patches = &binding.patches;
-        let (skinned, moved, residual) = (&self.skinned, &self.moved, &self.residual);
+        let (skinned, moves) = (&self.skinned, &self.moves);
         for_each_piece(patches.list.len(), &mut *self.patches, &|index, sums| {
-            sums[0].cubic = cubic_of_patch(patches, index, skinned, moved, residual);
+            sums[0].cubic = cubic_of_patch(patches, index, skinned, moves);
         });
         for state in &mut self.components {
             state.cubic = VolumeCubic::default();
@@ -616,7 +584,7 @@ impl Workspace {
         for giant in &patches.giants {
             let corners = giant.corners.iter().map(|&slot| {
                 let slot = slot as usize;
-                (add(skinned[slot], vector(moved, slot)), vector(residual, slot))
+                (add(skinned[slot], widened(moves[slot].by)), widened(moves[slot].residual))
             });
             self.components[giant.component as usize].cubic.join(&polygon_cubic(corners));
         }
@@ -633,36 +601,35 @@ impl Workspace {
         }
     }
 
-    /// Adds the residual's part and turns displacements into object space.
-    pub(crate) fn finish(&mut self, binding: &Binding) {
-        let patches = &binding.patches;
-        let (moved, residual, components) = (&self.moved, &self.residual, &self.components);
-        let to_object = self.object.matrix3.to_cols_array();
-        for_each_piece(patches.list.len(), (Ragged::new(&mut self.displacements, &patches.slot_offsets), &mut *self.patches), &|index,
-                                                                                                                                (
-            displacements,
-            sums,
-        )| {
-            let patch = &patches.list[index];
-            let step = components[patch.component as usize].step;
-            let slots = patch.start..patch.start + displacements.values.len();
-            let moved = moved.each_ref().map(|row| &row[slots.clone()]);
-            let residual = residual.each_ref().map(|row| &row[slots.clone()]);
-            sums[0].largest_squared = to_displacements(moved, residual, step, &to_object, displacements.values);
+    /// Corrected − skinned of every vertex, object space.
+    pub(crate) fn write_offsets(&mut self, binding: &Binding, offsets: &mut [[f32; 3]]) {
+        let (moves, components, to_object) = (&self.moves, &self.components, columns(&self.object));
+        let vertices = binding.slot_of_vertex.par_chunks(CHUNK).zip(binding.component_of_vertex.par_chunks(CHUNK));
+        let offset_chunks = offsets.par_chunks_mut(CHUNK);
+        let largest_of = offset_chunks.zip(vertices).map(|(offsets, (slots, of_vertex))| {
+            let mut largest = 0.0;
+            for ((offset, &slot), &component) in offsets.iter_mut().zip(slots).zip(of_vertex) {
+                let Some(point) = moves.get(slot as usize) else {
+                    *offset = [0.0; 3];
+                    continue;
+                };
+                let u = add_scaled(widened(point.by), widened(point.residual), components[component as usize].step);
+                let u = add_scaled(add_scaled(scale(to_object[0], u[0]), to_object[1], u[1]), to_object[2], u[2]);
+                let squared = lanes::sum(lanes::mul(u, u));
+                largest = if squared > largest { squared } else { largest };
+                *offset = [u[0] as f32, u[1] as f32, u[2] as f32];
+            }
+            largest
         });
+        let largest_squared = largest_of.reduce(|| 0.0, f64::max);
+        self.report.max_displacement = largest_squared.sqrt();
     }
 
-    /// Corrected − skinned per slot in double precision, armature space.
-    pub(crate) fn displacements_in_full(&self, binding: &Binding) -> Vec<DVec3> {
-        let mut full = vec![DVec3::ZERO; self.displacements.len()];
-        for patch in &binding.patches.list {
-            let step = self.components[patch.component as usize].step;
-            let slots = patch.start..patch.start + patch.owned;
-            for (slot, full) in slots.clone().zip(&mut full[slots]) {
-                *full = lanes::to(lanes::add_scaled(vector(&self.moved, slot), vector(&self.residual, slot), step));
-            }
-        }
-        full
+    /// Corrected − skinned of a vertex in double precision, armature space.
+    pub(crate) fn displacement(&self, slot: u32, component: u32) -> DVec3 {
+        self.moves.get(slot as usize).map_or(DVec3::ZERO, |point| {
+            lanes::to(add_scaled(widened(point.by), widened(point.residual), self.components[component as usize].step))
+        })
     }
 
     /// Skinned position of a site in armature space.
@@ -693,7 +660,6 @@ impl Workspace {
             report.joint_displacements[joint] = report.joint_displacements[joint].max(state.displacement);
             report.joint_is_capped[joint] |= state.is_capped;
         }
-        report.max_displacement = self.patches.iter().map(|p| p.largest_squared).fold(0.0, f64::max).sqrt();
         let gap = self.patches.iter().map(|p| p.gap_squared).fold(0.0, f64::max).sqrt();
         report.seam_gap = gap * object_from_armature.abs().cbrt();
     }
@@ -731,13 +697,10 @@ fn ragged<'a>(coordinates: &'a mut Coordinates, offsets: &'a [u32]) -> [Ragged<'
     coordinates.each_mut().map(|row| Ragged::new(row, offsets))
 }
 
-fn reborrow<'a>(rows: &'a mut [&mut [f32]; 3]) -> [&'a mut [f32]; 3] {
-    rows.each_mut().map(|row| &mut **row)
-}
-
+/// (x, y, z, 0) in double precision.
 #[inline(always)]
-fn vector(rows: &Coordinates, slot: usize) -> V4 {
-    [f64::from(rows[0][slot]), f64::from(rows[1][slot]), f64::from(rows[2][slot]), 0.0]
+fn widened(v: [f32; 4]) -> V4 {
+    [f64::from(v[0]), f64::from(v[1]), f64::from(v[2]), f64::from(v[3])]
 }
 
 /// What a patch is skinned from.
@@ -852,29 +815,15 @@ fn import_gradient(binding: &Binding, index: usize, sources: &[V4], gradient: &m
 
 /// V(P + tR) of a patch, P the points as moved so far and R the residual's field.
 #[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
-fn cubic_of_patch(patches: &Patches, index: usize, skinned: &[V4], moved: &Coordinates, residual: &Coordinates) -> VolumeCubic {
+fn cubic_of_patch(patches: &Patches, index: usize, skinned: &[V4], moves: &[Move]) -> VolumeCubic {
     let patch = &patches.list[index];
     let (mut p, mut u): (Buffer, Buffer) = ([lanes::ZERO; PATCH_POINTS], [lanes::ZERO; PATCH_POINTS]);
     for ((p, u), &slot) in p.iter_mut().zip(&mut u).zip(&patches.local[patch.local.clone()]) {
         let slot = slot as usize;
-        (*p, *u) = (add(skinned[slot], vector(moved, slot)), vector(residual, slot));
+        let point = moves[slot];
+        (*p, *u) = (add(skinned[slot], widened(point.by)), widened(point.residual));
     }
     sweeps::volume_cubic(patches, patch, &p, &u)
-}
-
-/// moved + step · residual in object space; the largest squared length.
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
-fn to_displacements(moved: fields::Rows, residual: fields::Rows, step: f64, m: &[f64; 9], into: &mut [[f32; 3]]) -> f64 {
-    let mut largest = 0.0;
-    let at = |axis: usize, i: usize| f64::from(moved[axis][i]) + f64::from(residual[axis][i]) * step;
-    for (i, displacement) in into.iter_mut().enumerate() {
-        let [x, y, z] = [at(0, i), at(1, i), at(2, i)];
-        let u = [m[0] * x + m[3] * y + m[6] * z, m[1] * x + m[4] * y + m[7] * z, m[2] * x + m[5] * y + m[8] * z];
-        let squared = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
-        largest = if squared > largest { squared } else { largest };
-        *displacement = u.map(|c| c as f32);
-    }
-    largest
 }
 
 /// Volume and gradient of faces too large for any patch.

@@ -3,14 +3,13 @@
 use std::sync::Arc;
 
 use glam::{DMat4, DVec3};
-use rayon::prelude::*;
 
 use crate::binding::Binding;
 use crate::error::{Error, Result, check_finite};
 use crate::frame::{Pass, Pose, Workspace};
 use crate::joint::Joint;
 use crate::report::Report;
-use crate::skinning::{CHUNK, Skinning, check_object};
+use crate::skinning::{Skinning, check_object};
 use crate::supports::Supports;
 use crate::topology::Topology;
 
@@ -118,6 +117,11 @@ impl VolumeSkin {
         &self.supports.lengths
     }
 
+    /// Vertices as bound.
+    pub fn vertex_count(&self) -> usize {
+        self.binding.slot_of_vertex.len()
+    }
+
     /// Memory of the binding and one workspace.
     pub fn memory_bytes(&self) -> usize {
         self.binding.memory_bytes() + self.supports.memory_bytes() + self.workspace().memory_bytes()
@@ -128,19 +132,24 @@ impl VolumeSkin {
         Workspace::new(&self.binding, &self.supports, &self.joints)
     }
 
-    /// Skins and corrects one frame; results are read from the workspace, which must be of this very `VolumeSkin`.
-    /// A pure function of its input.
+    /// Skins and corrects one frame: writes corrected − skinned of every vertex, object space, to `offsets`. Positions are
+    /// read from the workspace, which must be of this very `VolumeSkin`. A pure function of its input.
     ///
     /// # Errors
-    /// A pose that is not finite or of another skeleton, an object matrix without inverse. The workspace is then stale.
-    pub fn deform<'w>(&self, pose: &Pose, workspace: &'w mut Workspace) -> Result<&'w Report> {
+    /// A pose that is not finite or of another skeleton, an object matrix without inverse, `offsets` of another length.
+    /// The workspace is then stale.
+    pub fn deform<'w>(&self, pose: &Pose, workspace: &'w mut Workspace, offsets: &mut [[f32; 3]]) -> Result<&'w Report> {
+        let bound = self.binding.slot_of_vertex.len();
+        if offsets.len() != bound {
+            return Err(Error::VertexCount { found: offsets.len(), bound });
+        }
         workspace.take(&self.binding, pose, self.options.keep_bone_scale)?;
         // One hop to the thread pool, not one for every sweep.
-        rayon::scope(|_| self.correct(pose, workspace));
+        rayon::scope(|_| self.correct(pose, workspace, offsets));
         Ok(&workspace.report)
     }
 
-    fn correct(&self, pose: &Pose, workspace: &mut Workspace) {
+    fn correct(&self, pose: &Pose, workspace: &mut Workspace, offsets: &mut [[f32; 3]]) {
         let (binding, supports, settings) = (&*self.binding, &*self.supports, &**self.joints);
         workspace.skin(binding);
         workspace.measure(binding, supports, settings, pose);
@@ -151,28 +160,19 @@ impl VolumeSkin {
             workspace.apply_in_order(binding, supports, settings);
         }
         workspace.remove_residual(binding, supports, settings);
-        workspace.finish(binding);
+        workspace.write_offsets(binding, offsets);
         workspace.fill_report(binding);
-    }
-
-    /// Writes corrected − skinned of every vertex, object space, after `deform`.
-    pub fn write_offsets(&self, workspace: &Workspace, offsets: &mut [[f32; 3]]) {
-        let slots = self.binding.slot_of_vertex.par_iter().with_min_len(CHUNK);
-        offsets.par_iter_mut().with_min_len(CHUNK).zip(slots).for_each(|(offset, &slot)| {
-            *offset = workspace.displacements.get(slot as usize).copied().unwrap_or_default();
-        });
     }
 
     /// Skinned and corrected positions of every vertex, object space, after `deform`.
     pub fn positions(&self, workspace: &Workspace) -> (Vec<DVec3>, Vec<DVec3>) {
-        let displacements = workspace.displacements_in_full(&self.binding);
         let object = |p: DVec3| workspace.object.transform_point3(p);
-        let vertices = self.binding.slot_of_vertex.iter().zip(&self.binding.sites.site_of_vertex);
+        let binding = &self.binding;
+        let vertices = binding.slot_of_vertex.iter().zip(&binding.component_of_vertex).zip(&binding.sites.site_of_vertex);
         vertices
-            .map(|(&slot, &site)| {
-                let skinned = workspace.skinned_site(&self.binding, site as usize);
-                let moved = displacements.get(slot as usize).copied().unwrap_or_default();
-                (object(skinned), object(skinned + moved))
+            .map(|((&slot, &component), &site)| {
+                let skinned = workspace.skinned_site(binding, site as usize);
+                (object(skinned), object(skinned + workspace.displacement(slot, component)))
             })
             .unzip()
     }

@@ -76,23 +76,26 @@ impl VolumeSkin {
     }
 
     /// Computes a frame and hands the workspace to `finish`.
-    fn run<T: Send>(&self, py: Python<'_>, pose: &PoseData, finish: impl FnOnce(&Workspace) -> T + Send) -> PyResult<(T, turgor::Report)> {
+    fn run<T: Send>(
+        &self,
+        py: Python<'_>,
+        pose: &PoseData,
+        offsets: &mut [[f32; 3]],
+        finish: impl FnOnce(&Workspace) -> T + Send,
+    ) -> PyResult<(T, turgor::Report)> {
         py.detach(|| {
             let lock = || self.workspaces.lock().unwrap_or_else(PoisonError::into_inner);
             let spare = lock().pop();
             let mut workspace = spare.unwrap_or_else(|| self.inner.workspace());
-            // One hop to the thread pool for all of the frame.
-            let result = rayon::scope(|_| {
-                let report = self.inner.deform(&pose.pose(), &mut workspace)?.clone();
-                Ok((finish(&workspace), report))
-            });
+            let report = self.inner.deform(&pose.pose(), &mut workspace, offsets).cloned();
+            let result = report.map(|report| (finish(&workspace), report));
             lock().push(workspace);
             result.map_err(refused)
         })
     }
 
     fn write(&self, py: Python<'_>, pose: &PoseData, offsets: &mut [[f32; 3]]) -> PyResult<Report> {
-        let ((), inner) = self.run(py, pose, |workspace| self.inner.write_offsets(workspace, offsets))?;
+        let ((), inner) = self.run(py, pose, offsets, |_| ())?;
         Ok(Report { inner })
     }
 
@@ -182,10 +185,7 @@ impl VolumeSkin {
     ) -> PyResult<Frame> {
         let pose = PoseData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale)?;
         let mut offsets = vec![[0.0; 3]; self.mesh.rest().len()];
-        let ((skinned, positions), report) = self.run(py, &pose, |workspace| {
-            self.inner.write_offsets(workspace, &mut offsets);
-            self.inner.positions(workspace)
-        })?;
+        let ((skinned, positions), report) = self.run(py, &pose, &mut offsets, |workspace| self.inner.positions(workspace))?;
         Ok(Frame { positions, skinned, offsets, report })
     }
 
