@@ -13,7 +13,7 @@ use crate::lanes::{self, V4, add, add_scaled, scale};
 use crate::motions::Motions;
 use crate::patches::{PATCH_POINTS, Patch, Patches};
 use crate::report::Report;
-use crate::skinning::{CHUNK, check_object, check_pose, columns};
+use crate::skinning::{CHUNK, Columns, check_object, check_pose, columns};
 use crate::split::{Ragged, for_each_piece};
 use crate::stages::{Body, ROWS, Rows, giant_moment, giant_volume};
 use crate::supports::Supports;
@@ -605,22 +605,11 @@ impl Workspace {
     pub(crate) fn write_offsets(&mut self, binding: &Binding, offsets: &mut [[f32; 3]]) {
         let (moves, components, to_object) = (&self.moves, &self.components, columns(&self.object));
         let vertices = binding.slot_of_vertex.par_chunks(CHUNK).zip(binding.component_of_vertex.par_chunks(CHUNK));
-        let offset_chunks = offsets.par_chunks_mut(CHUNK);
-        let largest_of = offset_chunks.zip(vertices).map(|(offsets, (slots, of_vertex))| {
-            let mut largest = 0.0;
-            for ((offset, &slot), &component) in offsets.iter_mut().zip(slots).zip(of_vertex) {
-                let Some(point) = moves.get(slot as usize) else {
-                    *offset = [0.0; 3];
-                    continue;
-                };
-                let u = add_scaled(widened(point.by), widened(point.residual), components[component as usize].step);
-                let u = add_scaled(add_scaled(scale(to_object[0], u[0]), to_object[1], u[1]), to_object[2], u[2]);
-                let squared = lanes::sum(lanes::mul(u, u));
-                largest = if squared > largest { squared } else { largest };
-                *offset = [u[0] as f32, u[1] as f32, u[2] as f32];
-            }
-            largest
-        });
+        let offset_chunks = offsets.par_chunks_mut(CHUNK).with_min_len(3);
+        let steps = |component: u32| components[component as usize].step;
+        let largest_of = offset_chunks
+            .zip(vertices)
+            .map(|(offsets, (slots, of_vertex))| write_some(moves, slots, of_vertex, steps, &to_object, offsets));
         let largest_squared = largest_of.reduce(|| 0.0, f64::max);
         self.report.max_displacement = largest_squared.sqrt();
     }
@@ -824,6 +813,31 @@ fn cubic_of_patch(patches: &Patches, index: usize, skinned: &[V4], moves: &[Move
         (*p, *u) = (add(skinned[slot], widened(point.by)), widened(point.residual));
     }
     sweeps::volume_cubic(patches, patch, &p, &u)
+}
+
+/// Offsets of some vertices; the largest squared length.
+#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
+fn write_some(
+    moves: &[Move],
+    slots: &[u32],
+    of_vertex: &[u32],
+    step: impl Fn(u32) -> f64,
+    to_object: &Columns,
+    offsets: &mut [[f32; 3]],
+) -> f64 {
+    let mut largest = 0.0;
+    for ((offset, &slot), &component) in offsets.iter_mut().zip(slots).zip(of_vertex) {
+        let Some(point) = moves.get(slot as usize) else {
+            *offset = [0.0; 3];
+            continue;
+        };
+        let u = add_scaled(widened(point.by), widened(point.residual), step(component));
+        let u = add_scaled(add_scaled(scale(to_object[0], u[0]), to_object[1], u[1]), to_object[2], u[2]);
+        let squared = lanes::sum(lanes::mul(u, u));
+        largest = if squared > largest { squared } else { largest };
+        *offset = [u[0] as f32, u[1] as f32, u[2] as f32];
+    }
+    largest
 }
 
 /// Volume and gradient of faces too large for any patch.

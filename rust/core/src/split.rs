@@ -55,27 +55,31 @@ split_tuple!(A, B, C);
 split_tuple!(A, B, C, D);
 split_tuple!(A, B, C, D, E);
 
-/// So few pieces are not worth waking another thread.
-const FEW: usize = 4;
+/// So few pieces are sooner done than another thread is woken.
+pub(crate) const FEW: usize = 8;
+/// Pieces of one task: handing over costs about as much as a tenth of one.
+const TASK: usize = 2;
 
 /// Calls `visit(piece, arrays of that piece)` for each of `count` pieces; halves of many go to other threads.
 pub(crate) fn for_each_piece<S: Split>(count: usize, arrays: S, visit: &(impl Fn(usize, S) + Sync)) {
-    visit_from(0, count, arrays, visit);
+    visit_from(0, count, arrays, visit, if count <= FEW { FEW } else { TASK });
 }
 
-fn visit_from<S: Split>(first: usize, count: usize, arrays: S, visit: &(impl Fn(usize, S) + Sync)) {
+fn visit_from<S: Split>(first: usize, count: usize, arrays: S, visit: &(impl Fn(usize, S) + Sync), task: usize) {
     match count {
         0 => {}
         1 => visit(first, arrays),
         _ => {
             let half = count / 2;
             let (early, late) = arrays.split(half);
-            if count <= FEW {
-                visit_from(first, half, early, visit);
-                visit_from(first + half, count - half, late, visit);
-                return;
+            let early = || visit_from(first, half, early, visit, task);
+            let late = || visit_from(first + half, count - half, late, visit, task);
+            if count <= task {
+                early();
+                late();
+            } else {
+                rayon::join(early, late);
             }
-            rayon::join(|| visit_from(first, half, early, visit), || visit_from(first + half, count - half, late, visit));
         }
     }
 }

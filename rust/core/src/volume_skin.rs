@@ -10,6 +10,7 @@ use crate::frame::{Pass, Pose, Workspace};
 use crate::joint::Joint;
 use crate::report::Report;
 use crate::skinning::{Skinning, check_object};
+use crate::split::FEW;
 use crate::supports::Supports;
 use crate::topology::Topology;
 
@@ -144,8 +145,12 @@ impl VolumeSkin {
             return Err(Error::VertexCount { found: offsets.len(), bound });
         }
         workspace.take(&self.binding, pose, self.options.keep_bone_scale)?;
-        // One hop to the thread pool, not one for every sweep.
-        rayon::scope(|_| self.correct(pose, workspace, offsets));
+        if self.binding.patches.list.len() <= FEW {
+            self.correct(pose, workspace, offsets);
+        } else {
+            // One hop to the thread pool, not one for every sweep.
+            rayon::scope(|_| self.correct(pose, workspace, offsets));
+        }
         Ok(&workspace.report)
     }
 
