@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 import pytest
 import turgor
 from hypothesis import given
 from hypothesis import strategies as st
 from reference_volume import mean_of_fans
+from rigs import chain
 from surfaces import Surface, cube, open_tube, strip, tube
 
 seeds = st.integers(0, 2**32 - 1)
@@ -136,3 +139,21 @@ def test_nothing_is_a_mesh_too():
     empty = turgor.Mesh(np.zeros((0, 3)), np.zeros(1, np.int32), np.zeros(0, np.int32))
     assert empty.components == []
     assert empty.volume(np.zeros((0, 3))) == 0.0
+
+
+@pytest.mark.parametrize("solver", ["simultaneous", "sequential"])
+def test_shells_that_share_a_point_are_both_exact(solver: Literal["simultaneous", "sequential"]):
+    below, above = tube(17, 8), tube(17, 8)
+    lifted = above.positions + [0.0, 1.0, 0.0]
+    touching = [2.0, 0.5, 0.0]
+    kept = int(np.argmin(np.abs(below.positions - touching).sum(axis=1)))
+    dropped = int(np.argmin(np.abs(lifted - touching).sum(axis=1)))
+    index = np.arange(len(lifted)) + len(below.positions)
+    index[dropped:] -= 1
+    index[dropped] = kept
+    faces = [*below.faces, *[[int(index[corner]) for corner in face] for face in above.faces]]
+    surface = Surface(np.vstack([below.positions, np.delete(lifted, dropped, axis=0)]), faces)
+    rig = chain(surface, 3)
+    frame = rig.body(solver=solver).deform(rig.bent(0.7))
+    found = surface.mesh().component_volumes(frame.positions)
+    np.testing.assert_allclose(found, frame.report.target_volumes, rtol=1e-12)

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::joint::Joint;
 use crate::lanes::{self, V4};
 use crate::motions::Motions;
-use crate::patches::{NO_SLOT, Patches};
+use crate::patches::Patches;
 use crate::sites::Sites;
 use crate::skeleton::JointTree;
 use crate::skinning::{Influences, Skinning};
@@ -54,7 +54,7 @@ impl Binding {
         let armature_from_rest = armature_from_object * DAffine3::from_translation(rest_centre);
         let centred: Vec<DVec3> = rest.iter().map(|&p| p - rest_centre).collect();
         let in_armature: Vec<DVec3> = centred.iter().map(|&p| armature_from_rest.transform_point3(p)).collect();
-        let tree = JointTree::new(&skinning.skeleton, &skinning.influences, &in_armature);
+        let tree = JointTree::new(&skinning.skeleton, &skinning.influences, &in_armature, &vertex_areas(topology, &in_armature));
         let influences = on_joints(&skinning.influences, skinning.skeleton.len(), &tree);
         let face_joints = FaceJoints::new(topology, &bones_of_points(topology, &influences, tree.len()), &tree);
         let points = topology.points(&in_armature);
@@ -166,6 +166,20 @@ fn bones_of_points(topology: &Topology, influences: &Influences, world: usize) -
     result
 }
 
+/// Area of each vertex: its part of the faces around its point.
+fn vertex_areas(topology: &Topology, rest: &[DVec3]) -> Vec<f64> {
+    let points = topology.points(rest);
+    let mut of_point = vec![0.0; points.len()];
+    for face in topology.faces.rows() {
+        let part = face_area_vector(&points, face).length() / face.len() as f64;
+        for &point in face {
+            of_point[point as usize] += part;
+        }
+    }
+    let twins = |point: u32| topology.vertices_of_point.row(point as usize).len() as f64;
+    topology.point_of_vertex.iter().map(|&point| of_point[point as usize] / twins(point)).collect()
+}
+
 fn masses(influences: &Influences, rest: &[DVec3], world: usize) -> Vec<(f64, DVec3)> {
     let mut sums = vec![(0.0, DVec3::ZERO); world + 1];
     for (vertex, &p) in rest.iter().enumerate() {
@@ -180,18 +194,23 @@ fn masses(influences: &Influences, rest: &[DVec3], world: usize) -> Vec<(f64, DV
 }
 
 /// A point's area is its part of the faces around it. Mean area, and it over the area of each slot.
+///
+/// Where shells share a point it belongs to neither alone: it has no area, and stays as skinned.
 fn inverse_areas(topology: &Topology, patches: &Patches, points: &[DVec3]) -> (f64, Vec<f32>) {
     let mut areas = vec![0.0; patches.slot_count()];
-    for face in topology.faces.rows() {
+    let mut component_of_slot = vec![None; patches.slot_count()];
+    for (face, component) in topology.faces.rows().zip(&topology.component_of_face) {
         let part = face_area_vector(points, face).length() / face.len() as f64;
         for &point in face {
-            let slot = patches.slot_of_point[point as usize];
-            debug_assert_ne!(slot, NO_SLOT);
-            areas[slot as usize] += part;
+            let slot = patches.slot_of_point[point as usize] as usize;
+            areas[slot] += part;
+            if component_of_slot[slot].get_or_insert(component) != &component {
+                areas[slot] = f64::NEG_INFINITY;
+            }
         }
     }
     let counted = areas.iter().filter(|area| **area > 0.0).count();
-    let unit = areas.iter().sum::<f64>() / counted.max(1) as f64;
+    let unit = areas.iter().filter(|area| **area > 0.0).sum::<f64>() / counted.max(1) as f64;
     let inverse = |area: f64| (unit / area) as f32;
     let usable = |area: f64| area > 0.0 && inverse(area).is_finite();
     (if unit > 0.0 { unit } else { 1.0 }, areas.into_iter().map(|area| if usable(area) { inverse(area) } else { 0.0 }).collect())

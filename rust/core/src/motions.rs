@@ -54,7 +54,8 @@ impl Motions {
             self.palette.set(joint, &self.rest[joint], &channel, Some(above));
             let parent = self.channels[above];
             self.is_still[joint] = parent == channel;
-            let intent = if keep_bone_scale { intended(&parent, &channel, self.tree.heads[joint], size) } else { None };
+            let head = self.tree.heads[joint];
+            let intent = if keep_bone_scale { intended(&parent, &channel, head, size, self.tree.is_hung[joint]) } else { None };
             self.has_intent[joint] = intent.is_some();
             if let Some(stretched) = intent {
                 let index = self.stretched(joint);
@@ -65,12 +66,14 @@ impl Motions {
 }
 
 /// The shift and stretch of a joint against its parent without its turn; `None` when there is nothing but the turn.
-fn intended(parent: &DAffine3, channel: &DAffine3, head: DVec3, size: f64) -> Option<DAffine3> {
+///
+/// The shift of a joint that is hung where its skin blends is how a cut chain turns: no more meant than a turn.
+fn intended(parent: &DAffine3, channel: &DAffine3, head: DVec3, size: f64, is_hung: bool) -> Option<DAffine3> {
     if parent.matrix3.determinant() == 0.0 {
         return Some(*channel);
     }
     let local = parent.inverse() * *channel;
-    let shift = local.transform_point3(head) - head;
+    let shift = if is_hung { DVec3::ZERO } else { local.transform_point3(head) - head };
     let Some(stretch) = stretch_of(&local.matrix3) else {
         // Mirrored or flattened: no turn can be told from it.
         return Some(*channel);

@@ -81,14 +81,16 @@ pub(crate) struct JointTree {
     pub along_parent: Vec<Option<DVec3>>,
     /// From this joint along its own body at rest; `None` where it has no extent.
     pub along_own: Vec<Option<DVec3>>,
+    /// Joints that hang where their skin blends, not on a bone above them.
+    pub is_hung: Vec<bool>,
 }
 
 impl JointTree {
-    /// Joints of the bones that carry weight. `rest` are the vertices in armature space.
+    /// Joints of the bones that carry weight. `rest` are the vertices in armature space, with their `areas`.
     ///
     /// A weighted bone hangs on its nearest weighted ancestor. One that has none (control rigs cut such chains) hangs on
     /// the bone with which it shares most weight, so that its joint is found where the skin blends.
-    pub fn new(skeleton: &Skeleton, influences: &Influences, rest: &[DVec3]) -> Self {
+    pub fn new(skeleton: &Skeleton, influences: &Influences, rest: &[DVec3], areas: &[f64]) -> Self {
         let world = skeleton.len();
         let mut masses = vec![0.0; world + 1];
         let mut moments = vec![DVec3::ZERO; world + 1];
@@ -99,7 +101,7 @@ impl JointTree {
                 moments[bone as usize] += p * weight;
             }
         }
-        let parents = weighted_parents(skeleton, influences, &masses);
+        let (parents, is_hung) = weighted_parents(skeleton, influences, &masses, areas);
         let mut children = vec![Vec::new(); world + 1];
         for bone in 0..world {
             if masses[bone] > 0.0 {
@@ -113,6 +115,7 @@ impl JointTree {
             heads: Vec::new(),
             along_parent: Vec::new(),
             along_own: Vec::new(),
+            is_hung: Vec::new(),
         };
         let count = children.iter().map(Vec::len).sum::<usize>() as u16;
         let mut stack: Vec<(u32, u16)> = children[world].iter().rev().map(|&bone| (bone, count)).collect();
@@ -122,6 +125,7 @@ impl JointTree {
             tree.parents.push(parent);
             tree.ends.push(joint + 1);
             tree.heads.push(skeleton.head(bone));
+            tree.is_hung.push(is_hung[bone as usize]);
             stack.extend(children[bone as usize].iter().rev().map(|&child| (child, joint)));
         }
         for joint in (0..tree.len()).rev() {
@@ -212,8 +216,8 @@ impl JointTree {
     }
 }
 
-/// Nearest weighted ancestor of each weighted bone, else the bone that shares most weight with it.
-fn weighted_parents(skeleton: &Skeleton, influences: &Influences, masses: &[f64]) -> Vec<Option<u32>> {
+/// Nearest weighted ancestor of each weighted bone, else the bone that it blends with most; and which bones are the latter.
+fn weighted_parents(skeleton: &Skeleton, influences: &Influences, masses: &[f64], areas: &[f64]) -> (Vec<Option<u32>>, Vec<bool>) {
     let mut parents: Vec<Option<u32>> = (0..skeleton.len())
         .map(|bone| {
             let mut parent = skeleton.parents[bone];
@@ -223,40 +227,47 @@ fn weighted_parents(skeleton: &Skeleton, influences: &Influences, masses: &[f64]
             parent
         })
         .collect();
+    let mut is_hung = vec![false; skeleton.len()];
     let roots: Vec<u32> = (0..skeleton.len() as u32).filter(|&b| masses[b as usize] > 0.0 && parents[b as usize].is_none()).collect();
     if roots.len() < 2 {
-        return parents;
+        return (parents, is_hung);
     }
-    let tree_of = |parents: &[Option<u32>], bone: u32| std::iter::successors(Some(bone), |&b| parents[b as usize]).last();
+    let root_of = |parents: &[Option<u32>], bone: u32| std::iter::successors(Some(bone), |&b| parents[b as usize]).last().unwrap_or(bone);
+    let mut area_of_bone = vec![0.0; skeleton.len() + 1];
     let mut shared: std::collections::BTreeMap<(u32, u32), f64> = std::collections::BTreeMap::new();
-    for vertex in 0..influences.len() {
+    for (vertex, area) in areas.iter().enumerate() {
         let (bones, weights) = influences.of(vertex);
-        for (i, &a) in bones.iter().enumerate() {
-            for (j, &b) in bones.iter().enumerate() {
-                let apart = a as usize != skeleton.len() && b as usize != skeleton.len();
-                if apart && tree_of(&parents, u32::from(a)) != tree_of(&parents, u32::from(b)) {
-                    *shared.entry((u32::from(a), u32::from(b))).or_default() += weights[i] * weights[j];
+        for (&a, &of_a) in bones.iter().zip(weights) {
+            area_of_bone[usize::from(a)] += of_a * area;
+            for (&b, &of_b) in bones.iter().zip(weights) {
+                let apart = usize::from(a) != skeleton.len() && usize::from(b) != skeleton.len();
+                if apart && root_of(&parents, u32::from(a)) != root_of(&parents, u32::from(b)) {
+                    *shared.entry((u32::from(a), u32::from(b))).or_default() += of_a * of_b * area;
                 }
             }
         }
     }
     let mut pairs: Vec<((u32, u32), f64)> = shared.into_iter().collect();
     pairs.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-    // The heaviest tree keeps its root; others are hung on, strongest blend first. Only a root can be hung on.
-    let mut mass_of_tree = vec![0.0; skeleton.len()];
+    let mut area_of_tree = vec![0.0; skeleton.len()];
     for bone in 0..skeleton.len() as u32 {
-        if let Some(root) = tree_of(&parents, bone) {
-            mass_of_tree[root as usize] += masses[bone as usize];
-        }
+        area_of_tree[root_of(&parents, bone) as usize] += area_of_bone[bone as usize];
     }
+    // Strongest blend first, and only at a root: hung by another bone its own joint would not be where the skin blends.
+    // Of two roots the smaller tree hangs on the larger. Trees that blend by other bones alone come last.
     for _ in 1..roots.len() {
-        let hang = pairs.iter().find_map(|&((a, b), _)| {
-            let (root_a, root_b) = (tree_of(&parents, a)?, tree_of(&parents, b)?);
-            (root_a != root_b && mass_of_tree[root_a as usize] <= mass_of_tree[root_b as usize]).then_some((root_a, b, root_b))
-        });
-        let Some((root, onto, onto_root)) = hang else { break };
+        let joined = |needs_root: bool| {
+            pairs.iter().find_map(|&((a, b), _)| {
+                let (root_a, root_b) = (root_of(&parents, a), root_of(&parents, b));
+                let is_smaller = area_of_tree[root_a as usize] <= area_of_tree[root_b as usize];
+                let hangs = if needs_root { a == root_a && (b != root_b || is_smaller) } else { is_smaller };
+                (root_a != root_b && hangs).then_some((root_a, b, root_b))
+            })
+        };
+        let Some((root, onto, onto_root)) = joined(true).or_else(|| joined(false)) else { break };
         parents[root as usize] = Some(onto);
-        mass_of_tree[onto_root as usize] += mass_of_tree[root as usize];
+        is_hung[root as usize] = true;
+        area_of_tree[onto_root as usize] += area_of_tree[root as usize];
     }
-    parents
+    (parents, is_hung)
 }
