@@ -144,7 +144,7 @@ def test_nothing_is_a_mesh_too():
 @pytest.mark.parametrize("solver", ["simultaneous", "sequential"])
 def test_shells_that_share_a_point_are_both_exact(solver: Literal["simultaneous", "sequential"]):
     below, above = tube(17, 8), tube(17, 8)
-    lifted = above.positions + [0.0, 1.0, 0.0]
+    lifted = above.positions + np.array([0.0, 1.0, 0.0])
     touching = [2.0, 0.5, 0.0]
     kept = int(np.argmin(np.abs(below.positions - touching).sum(axis=1)))
     dropped = int(np.argmin(np.abs(lifted - touching).sum(axis=1)))

@@ -1,5 +1,7 @@
 //! Bones, and the joints a mesh makes of them: the bones that carry weight, in a tree, parents first.
 
+use std::collections::BTreeMap;
+
 use glam::{DAffine3, DMat4, DVec3};
 
 use crate::error::{Error, Result};
@@ -101,7 +103,7 @@ impl JointTree {
                 moments[bone as usize] += p * weight;
             }
         }
-        let (parents, is_hung) = weighted_parents(skeleton, influences, &masses, areas);
+        let (parents, is_hung) = weighted_parents(skeleton, influences, &masses, rest, areas);
         let mut children = vec![Vec::new(); world + 1];
         for bone in 0..world {
             if masses[bone] > 0.0 {
@@ -216,8 +218,17 @@ impl JointTree {
     }
 }
 
+/// Skin that two bones share: how much, and its moment.
+type Shared = (f64, DVec3);
+
 /// Nearest weighted ancestor of each weighted bone, else the bone that it blends with most; and which bones are the latter.
-fn weighted_parents(skeleton: &Skeleton, influences: &Influences, masses: &[f64], areas: &[f64]) -> (Vec<Option<u32>>, Vec<bool>) {
+fn weighted_parents(
+    skeleton: &Skeleton,
+    influences: &Influences,
+    masses: &[f64],
+    rest: &[DVec3],
+    areas: &[f64],
+) -> (Vec<Option<u32>>, Vec<bool>) {
     let mut parents: Vec<Option<u32>> = (0..skeleton.len())
         .map(|bone| {
             let mut parent = skeleton.parents[bone];
@@ -233,41 +244,37 @@ fn weighted_parents(skeleton: &Skeleton, influences: &Influences, masses: &[f64]
         return (parents, is_hung);
     }
     let root_of = |parents: &[Option<u32>], bone: u32| std::iter::successors(Some(bone), |&b| parents[b as usize]).last().unwrap_or(bone);
-    let mut area_of_bone = vec![0.0; skeleton.len() + 1];
-    let mut shared: std::collections::BTreeMap<(u32, u32), f64> = std::collections::BTreeMap::new();
-    for (vertex, area) in areas.iter().enumerate() {
+    let mut shared: BTreeMap<(u32, u32), Shared> = BTreeMap::new();
+    for (vertex, (&p, area)) in rest.iter().zip(areas).enumerate() {
         let (bones, weights) = influences.of(vertex);
         for (&a, &of_a) in bones.iter().zip(weights) {
-            area_of_bone[usize::from(a)] += of_a * area;
             for (&b, &of_b) in bones.iter().zip(weights) {
                 let apart = usize::from(a) != skeleton.len() && usize::from(b) != skeleton.len();
                 if apart && root_of(&parents, u32::from(a)) != root_of(&parents, u32::from(b)) {
-                    *shared.entry((u32::from(a), u32::from(b))).or_default() += of_a * of_b * area;
+                    let sum = shared.entry((u32::from(a), u32::from(b))).or_default();
+                    let amount = of_a * of_b * area;
+                    *sum = (sum.0 + amount, sum.1 + p * amount);
                 }
             }
         }
     }
-    let mut pairs: Vec<((u32, u32), f64)> = shared.into_iter().collect();
-    pairs.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-    let mut area_of_tree = vec![0.0; skeleton.len()];
-    for bone in 0..skeleton.len() as u32 {
-        area_of_tree[root_of(&parents, bone) as usize] += area_of_bone[bone as usize];
-    }
-    // Strongest blend first, and only at a root: hung by another bone its own joint would not be where the skin blends.
-    // Of two roots the smaller tree hangs on the larger. Trees that blend by other bones alone come last.
+    let mut pairs: Vec<((u32, u32), Shared)> = shared.into_iter().filter(|(_, (amount, _))| *amount > 0.0).collect();
+    pairs.sort_by(|a, b| b.1.0.total_cmp(&a.1.0).then(a.0.cmp(&b.0)));
+    // Strongest blend first. A joint is where its skin blends: only a root is hung by its own skin, and of two roots the
+    // one whose head is nearer to it. Trees that blend by other bones alone come last.
     for _ in 1..roots.len() {
-        let joined = |needs_root: bool| {
-            pairs.iter().find_map(|&((a, b), _)| {
+        let joined = |by_own_skin: bool| {
+            pairs.iter().find_map(|&((a, b), (amount, moment))| {
                 let (root_a, root_b) = (root_of(&parents, a), root_of(&parents, b));
-                let is_smaller = area_of_tree[root_a as usize] <= area_of_tree[root_b as usize];
-                let hangs = if needs_root { a == root_a && (b != root_b || is_smaller) } else { is_smaller };
-                (root_a != root_b && hangs).then_some((root_a, b, root_b))
+                let distance = |bone: u32| skeleton.head(bone).distance_squared(moment / amount);
+                let is_nearer = distance(root_a) <= distance(root_b);
+                let hangs = if by_own_skin { a == root_a && (b != root_b || is_nearer) } else { is_nearer };
+                (root_a != root_b && hangs).then_some((root_a, b))
             })
         };
-        let Some((root, onto, onto_root)) = joined(true).or_else(|| joined(false)) else { break };
+        let Some((root, onto)) = joined(true).or_else(|| joined(false)) else { break };
         parents[root as usize] = Some(onto);
         is_hung[root as usize] = true;
-        area_of_tree[onto_root as usize] += area_of_tree[root as usize];
     }
     (parents, is_hung)
 }
