@@ -18,6 +18,8 @@ class Volumes:
 
     before: Points
     after: Points
+    skinned: Points  # before, in double precision
+    rounding: Points  # added by single precision alone
     target: Points
     rest: Points
     is_corrected: NDArray[np.bool_]
@@ -29,9 +31,9 @@ class Volumes:
         errors = np.abs(volumes - intended)[:, self.is_corrected] / np.abs(intended[..., self.is_corrected])
         return float(errors.max())
 
-    def of_component(self, index: int, volumes: Points) -> float:
-        """Largest relative error of one component against its target."""
-        return float(np.max(np.abs(volumes - self.target)[:, index] / np.abs(self.target[:, index])))
+    def of_component(self, index: int, differences: Points) -> float:
+        """Largest of one component, relative to its target."""
+        return float(np.max(np.abs(differences[:, index] / self.target[:, index])))
 
     def worst_moment(self) -> int:
         """Index of the frame at which the armature alone is furthest off, all corrected components together."""
@@ -60,6 +62,8 @@ class Volumes:
         return Component(
             *facts,
             is_corrected=True,
-            max_relative_volume_error_before=self.of_component(index, self.before),
-            max_relative_volume_error_after=self.of_component(index, self.after),
+            max_relative_volume_error_before=self.of_component(index, self.before - self.target),
+            max_relative_volume_error_after=self.of_component(index, self.after - self.target),
+            float32_floor=self.of_component(index, self.rounding),
+            armature_float32_error=self.of_component(index, self.before - self.skinned),
         )

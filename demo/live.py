@@ -51,6 +51,8 @@ class LiveFrame:
 
     engine: turgor.VolumeSkin
     report: turgor.Report
+    skinned: Points  # (N, 3) double precision
+    positions: Points  # (N, 3) corrected, double precision
 
     @property
     def target_volumes(self) -> Points:
@@ -64,14 +66,13 @@ class LiveFrame:
 
 
 def live_frame(mesh_object: bpy.types.Object) -> LiveFrame:
-    """Runs the extension's own frame once more, into an array that is thrown away."""
+    """Runs the extension's own frame once more, without a carrier to write to."""
     found: list[LiveFrame] = []
 
     def run(engine: turgor.VolumeSkin, pose_matrices: Any, options: dict[str, Any]) -> turgor.Report:
-        offsets = np.empty((engine.mesh.vertex_count, 3), dtype=np.float32)
-        report = engine.deform_into(offsets, pose_matrices, **options)
-        found.append(LiveFrame(engine, report))
-        return report
+        frame = engine.deform(pose_matrices, **options)
+        found.append(LiveFrame(engine, frame.report, frame.skinned, frame.positions))
+        return frame.report
 
     target = evaluated(mesh_object)
     extension_module("live.frame").correct(target, len(target.data.vertices), run)

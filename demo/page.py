@@ -12,6 +12,9 @@ from string import Template
 from .plot import volume_plot
 from .report import ObjectReport, Report, Timings
 
+# Rows of the table of shells.
+SHELLS_SHOWN = 8
+
 TEMPLATE = Path(__file__).with_name("page.html")
 
 
@@ -53,7 +56,8 @@ def pair_section(pair: PicturePair) -> str:
         f"<figure>{picture(pair.before, pair.title + ' without Turgor')}"
         '<figcaption><b class="before">Without</b>: Blender\'s Armature alone</figcaption></figure>'
         f"<figure>{picture(pair.after, pair.title + ' with Turgor')}"
-        '<figcaption><b class="after">With Turgor</b>: same frame, same pose</figcaption></figure></div>'
+        '<figcaption><b class="after">With Turgor</b>: same frame; line: outline <b class="before">without</b>'
+        "</figcaption></figure></div>"
     )
 
 
@@ -79,11 +83,12 @@ def time_bar(timings: Timings, armature_ms: float) -> str:
     longest = max(timings.frame, armature_ms)
     parts = asdict(timings).items()
     spans = "".join(f'<span class="{name}" style="width:{100 * time / longest:.2f}%"></span>' for name, time in parts)
-    words = ", ".join(f"{name} {milliseconds(time)}" for name, time in parts)
+    words = ", ".join(f'<i class="{name}"></i>{name} {milliseconds(time)}' for name, time in parts)
     return (
         f'<p class="note">A live frame takes {milliseconds(timings.frame)}: {words}.</p><div class="bar">{spans}</div>'
         f'<div class="bar"><span class="armature" style="width:{100 * armature_ms / longest:.2f}%"></span></div>'
-        f'<p class="note">Grey: Blender\'s Armature modifier on the same mesh, {milliseconds(armature_ms)}.</p>'
+        f'<p class="note"><i class="armature"></i>Blender\'s Armature modifier on the same mesh: '
+        f"{milliseconds(armature_ms)}.</p>"
     )
 
 
@@ -93,8 +98,41 @@ def object_section(item: ObjectReport) -> str:
     return (
         f'<h3>{escape(item.object)}</h3><p class="soft">Change of volume over the animation: '
         '<b class="before">Armature alone</b>, <b class="after">with Turgor</b>.</p>'
-        f"{volume_plot(item.moments)}{bar}"
+        f"{volume_plot(item.moments)}{bar}{shell_table(item)}"
     )
+
+
+def shell_table(item: ObjectReport) -> str:
+    """The corrected shells that are off most, and how much of that is the precision of Blender's own numbers."""
+    corrected = [shell for shell in item.components if shell.is_corrected]
+    if len(corrected) < 2:
+        return ""
+    worst = sorted(corrected, key=lambda shell: -(shell.max_relative_volume_error_after or 0.0))[:SHELLS_SHOWN]
+    rows = [
+        (
+            f"{shell.vertices:,}",
+            f"{abs(shell.rest_volume):.3g}",
+            percent(shell.max_relative_volume_error_before),
+            percent(shell.max_relative_volume_error_after),
+            percent(shell.armature_float32_error),
+            percent(shell.float32_floor),
+        )
+        for shell in worst
+    ]
+    shown = "Each shell" if len(worst) == len(corrected) else f"The {len(worst)} shells furthest off"
+    return (
+        f'<p class="note">{shown}. Blender computes and stores positions in single precision: the last two columns are '
+        "the errors that its Armature modifier and mere storage make of an exact shape. They weigh most on small "
+        "shells.</p>"
+        + html_table(("Vertices", "Volume", "Off without", "Off with", "Armature's rounding", "Storage alone"), rows)
+    )
+
+
+def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Heads and cells are HTML."""
+    head = "".join(f"<th>{text}</th>" for text in heads)
+    body = "".join("<tr>" + "".join(f"<td>{text}</td>" for text in row) + "</tr>" for row in rows)
+    return f'<div class="scroll"><table class="numbers"><tr>{head}</tr>{body}</table></div>'
 
 
 def verdict(item: ObjectReport) -> str:

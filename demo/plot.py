@@ -10,6 +10,8 @@ from math import ceil, floor, log10
 from .report import Moment
 
 WIDTH, HEIGHT = 960, 260
+# Per cent: below it lies rounding, which is not to be looked at closer.
+LEAST_SPAN = 0.1
 LEFT, RIGHT, TOP, BOTTOM = 64, 12, 16, 34
 
 
@@ -25,7 +27,7 @@ class Axes:
     def __init__(self, moments: Sequence[Moment]) -> None:
         changes = [change for moment in moments for change in percentages(moment)]
         low, high = min(0.0, *changes), max(0.0, *changes)
-        self.step = tick_step(max(high - low, 1e-3))
+        self.step = tick_step(max(high - low, LEAST_SPAN))
         # A twentieth of a step may stand out: rounding above zero needs no room of its own.
         self.low = floor(low / self.step + 0.05) * self.step
         self.high = ceil(high / self.step - 0.05) * self.step

@@ -9,7 +9,12 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Component:
-    """One shell of a mesh. Volumes in cubic units of the object, errors relative to the target or rest volume."""
+    """One shell of a mesh. Volumes in cubic units of the object, errors relative to the target volume.
+
+    float32_floor: the error when the engine's own positions, in double precision, are merely rounded to the single
+    precision in which Blender stores them. armature_float32_error: that of Blender's Armature modifier, which computes
+    in single precision, against the same skinning in double precision: the correction is added on top of it.
+    """
 
     status: str
     vertices: int
@@ -17,6 +22,8 @@ class Component:
     is_corrected: bool
     max_relative_volume_error_before: float | None = None
     max_relative_volume_error_after: float | None = None
+    float32_floor: float | None = None
+    armature_float32_error: float | None = None
 
 
 @dataclass(frozen=True)

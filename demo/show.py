@@ -13,6 +13,7 @@ import turgor
 from . import live, playing, timing
 from .characters import armature_of, open_file, skinned_meshes
 from .evaluated import armature_modifier, modifier_after, only_modifiers_before
+from .outline import draw_outline
 from .page import PicturePair, page
 from .pictures import AFTER_TONE, BEFORE_TONE, Studio, View, joint_view, whole_view
 from .report import ObjectReport, Report
@@ -76,11 +77,11 @@ def play_with(subjects: list[Subject], all_takes: list[Take]) -> None:
             end = modifier_after(subject.mesh_object, live.volume_modifier(subject.mesh_object))
             stack.enter_context(only_modifiers_before(subject.mesh_object, end))
 
-        def note_targets() -> None:
+        def note_frame() -> None:
             for subject in corrected:
-                subject.note_targets()
+                subject.note_frame()
 
-        playing.play([subject.track for subject in corrected], all_takes, note_targets)
+        playing.play([subject.track for subject in corrected], all_takes, note_frame)
     for subject in corrected:
         subject.after = np.array(subject.track.volumes)
 
@@ -125,6 +126,8 @@ def take_pictures(
         for pair, (*_, view) in zip(pairs, views, strict=True):
             path, tone = (pair.after, AFTER_TONE) if is_on else (pair.before, BEFORE_TONE)
             studio.take_picture(view, tone, path)
+    for pair in pairs:
+        draw_outline(pair.before, pair.after)
     return pairs
 
 

@@ -18,12 +18,18 @@ from .timing import ArmatureTimes
 
 @dataclass
 class Subject:
-    """before, after: (F, K) volumes of the measured shells; targets: (F, C) of the engine's components."""
+    """before, after: (F, K) volumes of the measured shells; targets: (F, C) of the engine's components.
+
+    roundings: (F, K) what rounding the engine's own positions to single precision adds to the shells' volumes.
+    skinned: (F, K) the shells' volumes by the engine's skinning, double precision.
+    """
 
     track: Track
     before: NDArray[np.float64]
     problem: str | None = None
     targets: list[NDArray[np.float64]] = field(default_factory=list)
+    roundings: list[NDArray[np.float64]] = field(default_factory=list)
+    skinned: list[NDArray[np.float64]] = field(default_factory=list)
     after: NDArray[np.float64] | None = None
     bound: LiveFrame | None = None
     armature_times: ArmatureTimes | None = None
@@ -34,11 +40,14 @@ class Subject:
         """The mesh itself."""
         return self.track.mesh_object
 
-    def note_targets(self) -> None:
-        """Asks the extension for the target volumes of the current frame."""
+    def note_frame(self) -> None:
+        """Asks the extension for the current frame: the target volumes, and what Blender's precision makes of them."""
         if self.problem is None:
             self.bound = live_frame(self.mesh_object)
             self.targets.append(self.bound.target_volumes)
+            volumes, exact = self.track.shells.volumes, self.bound.positions
+            self.roundings.append(volumes(exact.astype(np.float32).astype(np.float64)) - volumes(exact))
+            self.skinned.append(volumes(self.bound.skinned))
 
     def volumes(self) -> Volumes | None:
         """Measured volumes by the engine's components; None where Turgor could not be turned on."""
@@ -53,6 +62,8 @@ class Subject:
         return Volumes(
             before=self.before @ belongs,
             after=self.after @ belongs,
+            skinned=np.array(self.skinned) @ belongs,
+            rounding=np.array(self.roundings) @ belongs,
             target=np.array(self.targets),
             rest=self.track.rest_volumes @ belongs,
             is_corrected=np.array([component.is_sound for component in mesh.components], dtype=np.bool_),

@@ -55,6 +55,14 @@ def test_volume_is_lost_without_and_kept_with_turgor(character: dict[str, Any]):
     assert character["max_relative_volume_error_after"] <= 1e-6
 
 
+def test_what_is_left_of_a_shell_is_the_precision_of_blender(character: dict[str, Any]):
+    for shell in character["components"]:
+        floor = shell["float32_floor"] + shell["armature_float32_error"]
+        assert 0.0 < shell["float32_floor"] < 1e-6
+        assert shell["max_relative_volume_error_after"] <= 4.0 * floor
+        assert shell["vertices"] > 0
+
+
 def test_times_were_taken(character: dict[str, Any]):
     assert character["median_ms_per_frame"]["engine"] > 0.0
     assert character["armature_ms"] > 0.0
