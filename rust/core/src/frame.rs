@@ -1,5 +1,7 @@
 //! One frame: pose, skin, losses, fields, residual. Buffers are made once; nothing is allocated and nothing is remembered.
 
+use std::cell::RefCell;
+
 use glam::{DAffine3, DMat4, DVec3};
 use multiversion::multiversion;
 use rayon::prelude::*;
@@ -19,8 +21,8 @@ use crate::stages::{Body, ROWS, Rows, giant_moment, giant_volume};
 use crate::supports::Supports;
 use crate::sweeps::{self, Buffer, GRADIENT_PARTS, mean_and_cross, polygon_cubic, polygon_gradient};
 use crate::volume::VolumeCubic;
-use crate::volume_forms::FormBuffers;
-use crate::volume_loss::{Change, Deforming, Moment};
+use crate::volume_forms::{FormBuffers, VolumeForms};
+use crate::volume_loss::{Change, Moment};
 
 /// A component this near its target, relatively, has it: what is left is rounding.
 const RESIDUAL_DONE: f64 = 1e-14;
@@ -147,10 +149,8 @@ impl Workspace {
         let slots = binding.patches.slot_count();
         let jobs = binding.plan.jobs.len();
         let coordinates = || std::array::from_fn(|_| vec![0.0; slots]);
-        let (forms, stage_changes) = match &binding.plan.deforming {
-            Deforming::Forms(forms) => (Some(forms.buffers()), Vec::new()),
-            Deforming::Stages(stages) => (None, vec![Change::default(); stages.change_count()]),
-        };
+        let forms = binding.plan.forms.as_ref().map(VolumeForms::buffers);
+        let stage_changes = vec![Change::default(); if forms.is_some() { 0 } else { binding.plan.stages.change_count() }];
         let giants = &binding.patches.giants;
         let giant_points = giants.iter().map(|g| g.corners.len()).max().unwrap_or(0);
         let has_profiles = settings.iter().any(|joint| joint.profiles.is_some());
@@ -243,7 +243,7 @@ impl Workspace {
         let count = patches.list.len();
         let has_shapes = !self.rest.is_empty();
         let rest = if has_shapes { &self.rest } else { &binding.sites.rest };
-        let stages = binding.plan.stages();
+        let stages = if binding.plan.forms.is_none() { Some(&binding.plan.stages) } else { None };
         let motions = &self.motions;
         let change_offsets = stages.map_or(&*patches.no_rows, |stages| &stages.change_offsets()[..=count]);
         let moment_offsets = if stages.is_some() { &patches.numbers } else { &patches.no_rows };
@@ -270,7 +270,7 @@ impl Workspace {
                     changes: changes.values,
                     moment: moment.values.first_mut(),
                 };
-                skin_patch(from, into);
+                with_scratch(|scratch| skin_patch(from, into, scratch));
             },
         );
         sweep_giants(binding, &mut self.giant_volumes, giant_sources, |slot| self.skinned[slot]);
@@ -301,10 +301,9 @@ impl Workspace {
     /// Losses, targets, and the volume each job is to give back.
     pub(crate) fn measure(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pose: &Pose) {
         binding.plan.carry(&self.motions, &self.job_moments, &mut self.changes);
-        match (&binding.plan.deforming, &mut self.forms) {
-            (Deforming::Forms(forms), Some(buffers)) => forms.measure(&self.motions, buffers, &mut self.changes),
-            (Deforming::Stages(stages), _) => stages.gather(&self.stage_changes, &mut self.changes),
-            _ => {}
+        match (&binding.plan.forms, &mut self.forms) {
+            (Some(forms), Some(buffers)) => forms.measure(&self.motions, buffers, &mut self.changes),
+            _ => binding.plan.stages.gather(&self.stage_changes, &mut self.changes),
         }
         self.components.fill(ComponentState::default());
         // Moments are about the rest mesh in object space.
@@ -573,7 +572,7 @@ impl Workspace {
         let patches = &binding.patches;
         let (skinned, moves) = (&self.skinned, &self.moves);
         for_each_piece(patches.list.len(), &mut *self.patches, &|index, sums| {
-            sums[0].cubic = cubic_of_patch(patches, index, skinned, moves);
+            sums[0].cubic = with_scratch(|scratch| cubic_of_patch(patches, index, skinned, moves, scratch));
         });
         for state in &mut self.components {
             state.cubic = VolumeCubic::default();
@@ -702,6 +701,24 @@ struct Skinner<'a> {
     index: usize,
 }
 
+/// Room for one patch: one for each thread, so that it stays in its cache.
+struct Scratch {
+    first: Buffer,
+    second: Buffer,
+    rows: [f64; ROWS * PATCH_POINTS],
+}
+
+fn with_scratch<R>(visit: impl FnOnce(&mut Scratch) -> R) -> R {
+    thread_local! {
+        static SCRATCH: RefCell<Box<Scratch>> = RefCell::new(Box::new(Scratch {
+            first: [lanes::ZERO; PATCH_POINTS],
+            second: [lanes::ZERO; PATCH_POINTS],
+            rows: [0.0; ROWS * PATCH_POINTS],
+        }));
+    }
+    SCRATCH.with_borrow_mut(|scratch| visit(scratch))
+}
+
 /// What skinning a patch leaves.
 struct Skinned<'a> {
     positions: &'a mut [V4],
@@ -715,44 +732,40 @@ struct Skinned<'a> {
 
 /// Skins the points a patch sees; keeps those it owns, the gradient of all, and what its joints lose.
 #[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
-fn skin_patch(from: Skinner, into: Skinned) {
+fn skin_patch(from: Skinner, into: Skinned, scratch: &mut Scratch) {
     let Skinner { binding, motions, rest, has_shapes, index } = from;
-    let (patches, sites, palette) = (&binding.patches, &binding.sites, &motions.palette);
+    let (patches, sites, palette, stages) = (&binding.patches, &binding.sites, &motions.palette, &binding.plan.stages);
     let patch = &patches.list[index];
     let slots = &patches.local[patch.local.clone()];
-    let (mut p, mut by_point): (Buffer, Buffer) = ([lanes::ZERO; PATCH_POINTS], [lanes::ZERO; PATCH_POINTS]);
+    let Scratch { first: p, second: by_point, rows } = scratch;
+    let body = Body { index, slots, sites, rest, motions };
+    let is_skinned = stages.ends_skinned(body);
     let mut last = None;
-    let mut is_skinned = false;
-    if let (Some(stages), Some(moment)) = (binding.plan.stages(), into.moment) {
+    if let Some(moment) = into.moment {
         if has_shapes {
             for (p, &slot) in p.iter_mut().zip(slots) {
                 *p = sites.mean(slot as usize, |site| rest[site]);
             }
-            let (volume, area) = sweeps::moment(patches, patch, &p);
+            let (volume, area) = sweeps::moment(patches, patch, p);
             *moment = (volume, lanes::to(area));
         }
-        let body = Body { index, slots, sites, rest, motions };
-        let mut room = [0.0; ROWS * PATCH_POINTS];
         let volume = |p: &[V4]| p.first_chunk::<PATCH_POINTS>().map_or(0.0, |p| sweeps::volume(patches, patch, p));
-        last = stages.measure(body, *moment, Rows::new(&mut room, PATCH_POINTS), &mut p, volume, into.changes);
-        is_skinned = stages.ends_skinned(body);
+        last = stages.measure(body, *moment, Rows::new(rows, PATCH_POINTS), p, volume, into.changes);
+    } else if is_skinned {
+        stages.skin(body, Rows::new(rows, PATCH_POINTS), p);
     }
-    if !is_skinned && sites.is_split() {
+    if !is_skinned {
         for (p, &slot) in p.iter_mut().zip(slots) {
             *p = sites.mean(slot as usize, |site| palette.skin(&sites.influences, site, rest[site]));
         }
-    } else if !is_skinned {
-        for (p, &slot) in p.iter_mut().zip(slots) {
-            let site = sites.of_slot(slot as usize).start;
-            *p = palette.skin(&sites.influences, site, rest[site]);
-        }
     }
-    let volume = sweeps::volume_and_gradient(patches, patch, &p, &mut by_point);
+    by_point[..slots.len()].fill(lanes::ZERO);
+    let volume = sweeps::volume_and_gradient(patches, patch, p, by_point);
     if let Some(last) = last {
         into.changes[last].loss -= volume;
     }
     *into.sums = PatchSums { volume, ..PatchSums::default() };
-    keep_gradient(binding, patch, &by_point, into.gradient, into.sources);
+    keep_gradient(binding, patch, by_point, into.gradient, into.sources);
     into.positions[..patch.owned].copy_from_slice(&p[..patch.owned]);
     for (axis, row) in into.places.into_iter().enumerate() {
         for (place, p) in row.iter_mut().zip(&p[..patch.owned]) {
@@ -804,15 +817,15 @@ fn import_gradient(binding: &Binding, index: usize, sources: &[V4], gradient: &m
 
 /// V(P + tR) of a patch, P the points as moved so far and R the residual's field.
 #[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
-fn cubic_of_patch(patches: &Patches, index: usize, skinned: &[V4], moves: &[Move]) -> VolumeCubic {
+fn cubic_of_patch(patches: &Patches, index: usize, skinned: &[V4], moves: &[Move], scratch: &mut Scratch) -> VolumeCubic {
     let patch = &patches.list[index];
-    let (mut p, mut u): (Buffer, Buffer) = ([lanes::ZERO; PATCH_POINTS], [lanes::ZERO; PATCH_POINTS]);
-    for ((p, u), &slot) in p.iter_mut().zip(&mut u).zip(&patches.local[patch.local.clone()]) {
+    let Scratch { first: p, second: u, .. } = scratch;
+    for ((p, u), &slot) in p.iter_mut().zip(u.iter_mut()).zip(&patches.local[patch.local.clone()]) {
         let slot = slot as usize;
         let point = moves[slot];
         (*p, *u) = (add(skinned[slot], widened(point.by)), widened(point.residual));
     }
-    sweeps::volume_cubic(patches, patch, &p, &u)
+    sweeps::volume_cubic(patches, patch, p, u)
 }
 
 /// Offsets of some vertices; the largest squared length.

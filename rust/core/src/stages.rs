@@ -1,7 +1,8 @@
-//! Losses by sweeping: a body is skinned once per joint that deforms it, with only the joints so far turned.
+//! Skinning by stages: all points of a body follow the joint above it, then one joint after the other turns.
 //!
-//! Serves what has no closed form: dual quaternions, and rest shapes that shape keys change from frame to frame. The last
-//! stage is the skinned surface itself, so the changes sum to the whole by construction.
+//! Every joint does the same to all points of a body, by their weight: loops over points that compile to SIMD. Where there
+//! is no closed form of losses, for dual quaternions and rest shapes that shape keys change, the volume is taken at every
+//! stage. The last stage is the skinned surface itself, so the changes sum to the whole by construction.
 
 use glam::DVec3;
 
@@ -26,7 +27,7 @@ pub(crate) struct Stages {
     weight_offsets: Vec<u32>,
     /// Weight of all that hangs on a joint.
     weights: Vec<f64>,
-    /// Per body, whether each of its points is one site.
+    /// Per body, whether each of its points is one site, and joints are few.
     is_single: Vec<bool>,
 }
 
@@ -66,38 +67,46 @@ impl<'a> Rows<'a> {
     }
 }
 
+/// Bodies that more joints deform are skinned vertex by vertex, unless losses are measured by stages.
+const JOINTS_MAX: usize = 8;
+
 impl Stages {
-    /// Fills `bodies` with patches and giants.
-    pub fn new(anatomy: &Anatomy, jobs: &[Job], bodies: &mut Bodies) -> Self {
-        let Anatomy { patches, sites, .. } = *anatomy;
+    /// Bodies are patches, then giants. `measures`: losses are to be measured.
+    pub fn new(anatomy: &Anatomy, jobs: &[Job], measures: bool) -> Self {
         let mut result = Self::default();
         result.weight_offsets.push(0);
-        let place = |slot: &u32| sites.mean(*slot as usize, |site| sites.rest[site]);
-        let mut buffer = [lanes::ZERO; crate::patches::PATCH_POINTS];
-        for patch in &patches.list {
-            let slots = &patches.local[patch.local.clone()];
-            for (p, slot) in buffer.iter_mut().zip(slots) {
-                *p = place(slot);
-            }
-            let (volume, area) = sweeps::moment(patches, patch, &buffer);
-            result.push(anatomy, slots, patch.component, jobs);
-            bodies.push(patch.component, result.top(), (volume, lanes::to(area)));
+        for patch in &anatomy.patches.list {
+            result.push(anatomy, &anatomy.patches.local[patch.local.clone()], patch.component, jobs, measures);
         }
-        for giant in &patches.giants {
-            let places: Vec<V4> = giant.corners.iter().map(place).collect();
-            result.push(anatomy, &giant.corners, giant.component, jobs);
-            bodies.push(giant.component, result.top(), giant_moment(&places));
+        for giant in &anatomy.patches.giants {
+            result.push(anatomy, &giant.corners, giant.component, jobs, measures);
         }
         result.weights.shrink_to_fit();
         result
     }
 
-    /// Joint above the body pushed last.
-    fn top(&self) -> u32 {
-        self.tops.last().map_or(0, |&top| u32::from(top))
+    /// Bodies with their moments at rest.
+    pub fn bodies(&self, anatomy: &Anatomy) -> Bodies {
+        let Anatomy { patches, sites, .. } = *anatomy;
+        let place = |slot: &u32| sites.mean(*slot as usize, |site| sites.rest[site]);
+        let mut bodies = Bodies::default();
+        let mut tops = self.tops.iter().map(|&top| u32::from(top));
+        let mut buffer = [lanes::ZERO; crate::patches::PATCH_POINTS];
+        for (patch, top) in patches.list.iter().zip(&mut tops) {
+            for (p, slot) in buffer.iter_mut().zip(&patches.local[patch.local.clone()]) {
+                *p = place(slot);
+            }
+            let (volume, area) = sweeps::moment(patches, patch, &buffer);
+            bodies.push(patch.component, top, (volume, lanes::to(area)));
+        }
+        for (giant, top) in patches.giants.iter().zip(&mut tops) {
+            let places: Vec<V4> = giant.corners.iter().map(place).collect();
+            bodies.push(giant.component, top, giant_moment(&places));
+        }
+        bodies
     }
 
-    fn push(&mut self, anatomy: &Anatomy, slots: &[u32], component: u32, jobs: &[Job]) {
+    fn push(&mut self, anatomy: &Anatomy, slots: &[u32], component: u32, jobs: &[Job], measures: bool) {
         let Anatomy { sites, tree, .. } = *anatomy;
         let all_sites = || slots.iter().flat_map(|&slot| sites.of_slot(slot as usize));
         let bones = || {
@@ -106,9 +115,13 @@ impl Stages {
                 sites.influences.of(site).0.iter().map(|&b| usize::from(b)).chain(world)
             })
         };
-        let (top, joints) = joints_of(bones, tree);
+        let (top, mut joints) = joints_of(bones, tree);
+        let is_sparse = joints.len() <= JOINTS_MAX;
+        if !(is_sparse || measures) {
+            joints.clear();
+        }
         self.tops.push(top as u16);
-        self.is_single.push(slots.iter().all(|&slot| sites.of_slot(slot as usize).len() == 1));
+        self.is_single.push(is_sparse && slots.iter().all(|&slot| sites.of_slot(slot as usize).len() == 1));
         for &joint in &joints {
             let under = usize::from(joint)..usize::from(tree.ends[usize::from(joint)]);
             self.weights.extend(slots.iter().map(|&slot| {
@@ -164,6 +177,16 @@ impl Stages {
         let joints = self.joints.row(body.index);
         let all = || joints.iter().chain([&self.tops[body.index]]).map(|&j| palette.rotation(usize::from(j)));
         palette.mode == Mode::Linear || all().enumerate().all(|(i, a)| all().skip(i + 1).all(|b| lanes::sum(lanes::mul(a, b)) >= 0.0))
+    }
+
+    /// Positions as all joints leave them: those of the skin where `ends_skinned`.
+    #[inline(always)]
+    pub fn skin(&self, body: Body, mut rows: Rows, positions: &mut [V4]) {
+        self.start(body, &mut rows);
+        for (stage, &joint) in self.joints.row(body.index).iter().enumerate() {
+            self.add(body, stage, usize::from(joint), &mut rows);
+        }
+        place_all(body, &rows, positions);
     }
 
     /// What each joint's turn does to one body; `positions` end as all joints leave them.

@@ -76,15 +76,10 @@ pub(crate) fn joints_of<I: Iterator<Item = usize>>(bones: impl Fn() -> I, tree: 
 pub(crate) struct LossPlan {
     pub jobs: Vec<Job>,
     pub bodies: Bodies,
-    pub deforming: Deforming,
-}
-
-/// How faces that a turn deforms are measured.
-pub(crate) enum Deforming {
-    /// Linear skinning of one rest shape.
-    Forms(VolumeForms),
-    /// Any other.
-    Stages(Stages),
+    /// How bodies are skinned joint by joint. Without `forms` their bodies are those of the plan.
+    pub stages: Stages,
+    /// Losses in closed form: linear skinning of one rest shape.
+    pub forms: Option<VolumeForms>,
 }
 
 /// Faces that share the joints above them: carried whole by these.
@@ -151,24 +146,14 @@ impl LossPlan {
         let mut bodies = Bodies::default();
         let has_forms = mode == Mode::Linear && !has_shapes;
         let forms = if has_forms { VolumeForms::new(anatomy, &jobs, &mut bodies) } else { None };
-        let deforming = if let Some(forms) = forms {
-            Deforming::Forms(forms)
-        } else {
-            bodies = Bodies::default();
-            Deforming::Stages(Stages::new(anatomy, &jobs, &mut bodies))
-        };
+        let stages = Stages::new(anatomy, &jobs, forms.is_none());
+        if forms.is_none() {
+            bodies = stages.bodies(anatomy);
+        }
         for (&component, &top) in bodies.components.iter().zip(&bodies.tops) {
             bodies.jobs_above.push_row(tree.chain(top as usize).filter_map(|j| find_job(&jobs, j, component)));
         }
-        Self { jobs, bodies, deforming }
-    }
-
-    /// Stages, where bodies are patches, then giants.
-    pub fn stages(&self) -> Option<&Stages> {
-        match &self.deforming {
-            Deforming::Stages(stages) => Some(stages),
-            Deforming::Forms(_) => None,
-        }
+        Self { jobs, bodies, stages, forms }
     }
 
     /// What every joint did to every component by carrying bodies whole.
@@ -187,11 +172,8 @@ impl LossPlan {
     }
 
     pub fn memory_bytes(&self) -> usize {
-        let deforming = match &self.deforming {
-            Deforming::Forms(forms) => forms.memory_bytes(),
-            Deforming::Stages(stages) => stages.memory_bytes(),
-        };
-        size_of_val(&*self.jobs) + self.bodies.memory_bytes() + deforming
+        let forms = self.forms.as_ref().map_or(0, VolumeForms::memory_bytes);
+        size_of_val(&*self.jobs) + self.bodies.memory_bytes() + self.stages.memory_bytes() + forms
     }
 }
 
