@@ -70,7 +70,7 @@ def render_end(*_arguments: Any) -> None:
 
 def follow_dragged_curve() -> float:
     """A timer: while the artist drags a point of a curve, Blender tells nobody."""
-    ob = None if _is_idle() else getattr(bpy.context, "object", None)
+    ob = None if _is_idle() or runtime.session.is_rendering else getattr(bpy.context, "object", None)
     if ob is None or not start.follow_curves(ob):
         return SECONDS_BETWEEN_LOOKS
     return SECONDS_BETWEEN_DRAGS

@@ -84,6 +84,7 @@ def _growing_rig(ob, rig):
     for frame, scale in ((1, 1.0), (LAST_FRAME, 3.0)):
         rig.scale = (scale, scale, scale)
         rig.keyframe_insert("scale", frame=frame)
+    bpy.context.scene.frame_set(1)
 
 
 @pytest.mark.parametrize("first_frame", [1, 7, LAST_FRAME])
@@ -109,10 +110,28 @@ def test_rebind_takes_the_place_of_now(route):
     _growing_rig(ob, rig)
     add_turgor(ob)
     at_first = list(ob.turgor.bound_placement)
+    assert np.allclose(np.reshape(at_first, (4, 4)), np.eye(4))
     bpy.context.scene.frame_set(LAST_FRAME)
     assert list(ob.turgor.bound_placement) == at_first
     bpy.ops.object.turgor_volume_rebind()
     assert np.allclose(np.reshape(ob.turgor.bound_placement, (4, 4)), np.diag([3.0, 3.0, 3.0, 1.0]))
+
+
+def test_undoing_a_rebind_takes_the_place_of_before(route):
+    ob, rig = character()
+    _growing_rig(ob, rig)
+    add_turgor(ob)
+    bpy.context.scene.frame_set(FRAME)
+    expected = positions(ob)
+    bpy.context.scene.frame_set(LAST_FRAME)
+    bpy.ops.ed.undo_push(message="before")
+    bpy.ops.object.turgor_volume_rebind()
+    bpy.ops.ed.undo_push(message="rebound")
+    bpy.context.scene.frame_set(FRAME)
+    assert (positions(ob) != expected).any()
+    bpy.ops.ed.undo()
+    bpy.context.scene.frame_set(FRAME)
+    assert (positions(bpy.data.objects["Tube"]) == expected).all()
 
 
 def test_armature_scaled_to_zero_is_said_and_heals_by_rebind(route, runtime):
