@@ -2,7 +2,7 @@
 //!
 //! Single precision is enough: what a field adds is measured in double precision on the moved points afterwards.
 
-use multiversion::multiversion;
+use fearless_simd::{Level, Simd, dispatch};
 
 use crate::correction::{Field, FieldFrame};
 use crate::patches::{LANES, PATCH_POINTS};
@@ -15,8 +15,12 @@ pub(crate) type Row = [f32; PATCH_POINTS];
 pub(crate) type Rows<'a> = [&'a [f32]; 3];
 
 /// Squares and lengths of vectors.
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
 pub(crate) fn measure(vectors: Rows, squares: &mut Row, lengths: &mut Row) {
+    dispatch!(Level::new(), simd => measure_by_lanes(simd, vectors, squares, lengths))
+}
+
+#[inline(always)]
+fn measure_by_lanes<S: Simd>(_: S, vectors: Rows, squares: &mut Row, lengths: &mut Row) {
     let count = vectors[0].len();
     let [x, y, z] = vectors.map(|row| &row[..count]);
     let (squares, lengths) = (&mut squares[..count], &mut lengths[..count]);
@@ -27,8 +31,12 @@ pub(crate) fn measure(vectors: Rows, squares: &mut Row, lengths: &mut Row) {
 }
 
 /// Weights times the joint's bell at each place.
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
 pub(crate) fn bell_heights(weights: &[f32], places: Rows, frame: &FieldFrame, heights: &mut [f32]) {
+    dispatch!(Level::new(), simd => bell_heights_by_lanes(simd, weights, places, frame, heights))
+}
+
+#[inline(always)]
+fn bell_heights_by_lanes<S: Simd>(_: S, weights: &[f32], places: Rows, frame: &FieldFrame, heights: &mut [f32]) {
     let count = weights.len();
     let [x, y, z] = places.map(|row| &row[..count]);
     let heights = &mut heights[..count];
@@ -45,8 +53,12 @@ pub(crate) fn bell_heights(weights: &[f32], places: Rows, frame: &FieldFrame, he
 }
 
 /// Σ w·s and the largest w·l.
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
 pub(crate) fn sum_and_most(weights: &[f32], squares: &Row, lengths: &Row) -> (f64, f64) {
+    dispatch!(Level::new(), simd => sum_and_most_by_lanes(simd, weights, squares, lengths))
+}
+
+#[inline(always)]
+fn sum_and_most_by_lanes<S: Simd>(_: S, weights: &[f32], squares: &Row, lengths: &Row) -> (f64, f64) {
     let (mut sums, mut most) = ([0.0f32; LANES], [0.0f32; LANES]);
     let lanes = weights.as_chunks::<LANES>().0.iter();
     for ((w, s), l) in lanes.zip(squares.as_chunks::<LANES>().0).zip(lengths.as_chunks::<LANES>().0) {
@@ -60,8 +72,12 @@ pub(crate) fn sum_and_most(weights: &[f32], squares: &Row, lengths: &Row) -> (f6
 }
 
 /// Σ w·(g·e)² and the largest w·|g·e|.
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
 pub(crate) fn sum_and_most_along(weights: &[f32], gradient: Rows, axis: [f32; 3]) -> (f64, f64) {
+    dispatch!(Level::new(), simd => sum_and_most_along_by_lanes(simd, weights, gradient, axis))
+}
+
+#[inline(always)]
+fn sum_and_most_along_by_lanes<S: Simd>(_: S, weights: &[f32], gradient: Rows, axis: [f32; 3]) -> (f64, f64) {
     let (mut sums, mut most) = ([0.0f32; LANES], [0.0f32; LANES]);
     let [x, y, z] = gradient.map(|row| row.as_chunks::<LANES>().0);
     for (((w, x), y), z) in weights.as_chunks::<LANES>().0.iter().zip(x).zip(y).zip(z) {
@@ -126,8 +142,20 @@ impl PatchFields {
     }
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
 fn add_factors(field: &Field, sign: f32, weights: &[f32], heights: &[f32], by_gradient: &mut Row, residual: &mut Row) {
+    dispatch!(Level::new(), simd => add_factors_by_lanes(simd, field, sign, weights, heights, by_gradient, residual))
+}
+
+#[inline(always)]
+fn add_factors_by_lanes<S: Simd>(
+    _: S,
+    field: &Field,
+    sign: f32,
+    weights: &[f32],
+    heights: &[f32],
+    by_gradient: &mut Row,
+    residual: &mut Row,
+) {
     let count = weights.len();
     let (heights, by_gradient, residual) = (&heights[..count], &mut by_gradient[..count], &mut residual[..count]);
     let (bell, all) = (field.bell as f32, field.all as f32);
@@ -138,8 +166,20 @@ fn add_factors(field: &Field, sign: f32, weights: &[f32], heights: &[f32], by_gr
     }
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
 fn add_along_axes(field: &Field, sign: f32, heights: &[f32], gradient: Rows, moved: &mut [Row; 3], residual: &mut [Row; 3]) {
+    dispatch!(Level::new(), simd => add_along_axes_by_lanes(simd, field, sign, heights, gradient, moved, residual))
+}
+
+#[inline(always)]
+fn add_along_axes_by_lanes<S: Simd>(
+    _: S,
+    field: &Field,
+    sign: f32,
+    heights: &[f32],
+    gradient: Rows,
+    moved: &mut [Row; 3],
+    residual: &mut [Row; 3],
+) {
     let count = heights.len();
     let m = field.shaped.as_mat3().to_cols_array();
     let [gx, gy, gz] = gradient.map(|row| &row[..count]);
@@ -154,8 +194,12 @@ fn add_along_axes(field: &Field, sign: f32, heights: &[f32], gradient: Rows, mov
     }
 }
 
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
 fn add_along_gradient(factors: &Row, gradient: Rows, moved: &mut [Row; 3]) {
+    dispatch!(Level::new(), simd => add_along_gradient_by_lanes(simd, factors, gradient, moved))
+}
+
+#[inline(always)]
+fn add_along_gradient_by_lanes<S: Simd>(_: S, factors: &Row, gradient: Rows, moved: &mut [Row; 3]) {
     for (moved, gradient) in moved.iter_mut().zip(gradient) {
         for ((moved, gradient), factor) in moved.iter_mut().zip(gradient).zip(factors) {
             *moved += gradient * factor;

@@ -2,8 +2,8 @@
 
 use std::cell::RefCell;
 
+use fearless_simd::{Level, Simd, dispatch};
 use glam::{DAffine3, DMat4, DVec3};
-use multiversion::multiversion;
 use rayon::prelude::*;
 
 use crate::binding::Binding;
@@ -239,6 +239,7 @@ impl Workspace {
 
     /// Skins all points; volume and gradient of the skinned surface, and stages on the way to it.
     pub(crate) fn skin(&mut self, binding: &Binding) {
+        let level = Level::new();
         let patches = &binding.patches;
         let count = patches.list.len();
         let has_shapes = !self.rest.is_empty();
@@ -270,7 +271,7 @@ impl Workspace {
                     changes: changes.values,
                     moment: moment.values.first_mut(),
                 };
-                with_scratch(|scratch| skin_patch(from, into, scratch));
+                with_scratch(|scratch| dispatch!(level, simd => skin_patch(simd, from, into, scratch)));
             },
         );
         sweep_giants(binding, &mut self.giant_volumes, giant_sources, |slot| self.skinned[slot]);
@@ -279,7 +280,7 @@ impl Workspace {
         for (index, (giant, moment)) in patches.giants.iter().zip(giant_moments).enumerate() {
             let body = Body { index: count + index, slots: &giant.corners, sites: &binding.sites, rest, motions };
             let corners = giant.corners.len();
-            let positions = &mut self.giant_positions[..corners];
+            let mut positions = &mut self.giant_positions[..corners];
             if has_shapes {
                 for (p, &slot) in positions.iter_mut().zip(&giant.corners) {
                     *p = binding.sites.mean(slot as usize, |site| rest[site]);
@@ -288,7 +289,7 @@ impl Workspace {
             }
             let (changes, rest_of_them) = giant_changes.split_at_mut(stages.joint_count(count + index));
             let rows = Rows::new(&mut self.giant_room, corners);
-            if let Some(last) = stages.measure(body, *moment, rows, positions, giant_volume, changes) {
+            if let Some(last) = stages.measure(body, *moment, rows, &mut positions, |p| giant_volume(p), changes) {
                 changes[last].loss -= self.giant_volumes[index];
             }
             giant_changes = rest_of_them;
@@ -541,6 +542,7 @@ impl Workspace {
 
     /// Gradient of the surface moved so far.
     fn sweep_moved(&mut self, binding: &Binding) {
+        let level = Level::new();
         let patches = &binding.patches;
         let (skinned, moves) = (&self.skinned, &self.moves);
         let place = |slot: usize| add(skinned[slot], widened(moves[slot].by));
@@ -552,7 +554,7 @@ impl Workspace {
             for (p, &slot) in p.iter_mut().zip(&patches.local[patch.local.clone()]) {
                 *p = place(slot as usize);
             }
-            sweeps::volume_and_gradient(patches, patch, &p, &mut by_point);
+            dispatch!(level, simd => sweeps::volume_and_gradient(simd, patches, patch, &p, &mut by_point));
             keep_gradient(binding, patch, &by_point, gradient.map(|row| row.values), sources.values);
         });
         sweep_giants(binding, &mut self.giant_volumes, giant_sources, place);
@@ -569,10 +571,11 @@ impl Workspace {
     }
 
     fn find_steps(&mut self, binding: &Binding) {
+        let level = Level::new();
         let patches = &binding.patches;
         let (skinned, moves) = (&self.skinned, &self.moves);
         for_each_piece(patches.list.len(), &mut *self.patches, &|index, sums| {
-            sums[0].cubic = with_scratch(|scratch| cubic_of_patch(patches, index, skinned, moves, scratch));
+            sums[0].cubic = with_scratch(|scratch| dispatch!(level, simd => cubic_of_patch(simd, patches, index, skinned, moves, scratch)));
         });
         for state in &mut self.components {
             state.cubic = VolumeCubic::default();
@@ -605,10 +608,11 @@ impl Workspace {
         let (moves, components, to_object) = (&self.moves, &self.components, columns(&self.object));
         let vertices = binding.slot_of_vertex.par_chunks(CHUNK).zip(binding.component_of_vertex.par_chunks(CHUNK));
         let offset_chunks = offsets.par_chunks_mut(CHUNK).with_min_len(3);
+        let level = Level::new();
         let steps = |component: u32| components[component as usize].step;
-        let largest_of = offset_chunks
-            .zip(vertices)
-            .map(|(offsets, (slots, of_vertex))| write_some(moves, slots, of_vertex, steps, &to_object, offsets));
+        let largest_of = offset_chunks.zip(vertices).map(
+            |(offsets, (slots, of_vertex))| dispatch!(level, simd => write_some(simd, moves, slots, of_vertex, steps, &to_object, offsets)),
+        );
         let largest_squared = largest_of.reduce(|| 0.0, f64::max);
         self.report.max_displacement = largest_squared.sqrt();
     }
@@ -731,8 +735,8 @@ struct Skinned<'a> {
 }
 
 /// Skins the points a patch sees; keeps those it owns, the gradient of all, and what its joints lose.
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
-fn skin_patch(from: Skinner, into: Skinned, scratch: &mut Scratch) {
+#[inline(always)]
+fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scratch) {
     let Skinner { binding, motions, rest, has_shapes, index } = from;
     let (patches, sites, palette, stages) = (&binding.patches, &binding.sites, &motions.palette, &binding.plan.stages);
     let patch = &patches.list[index];
@@ -746,11 +750,19 @@ fn skin_patch(from: Skinner, into: Skinned, scratch: &mut Scratch) {
             for (p, &slot) in p.iter_mut().zip(slots) {
                 *p = sites.mean(slot as usize, |site| rest[site]);
             }
-            let (volume, area) = sweeps::moment(patches, patch, p);
+            let (volume, area) = sweeps::moment(simd, patches, patch, p);
             *moment = (volume, lanes::to(area));
         }
-        let volume = |p: &[V4]| p.first_chunk::<PATCH_POINTS>().map_or(0.0, |p| sweeps::volume(patches, patch, p));
-        last = stages.measure(body, *moment, Rows::new(rows, PATCH_POINTS), p, volume, into.changes);
+        let rows = Rows::new(rows, PATCH_POINTS);
+        last = stages.measure(
+            body,
+            *moment,
+            rows,
+            p,
+            #[inline(always)]
+            |p| sweeps::volume(simd, patches, patch, p),
+            into.changes,
+        );
     } else if is_skinned {
         stages.skin(body, Rows::new(rows, PATCH_POINTS), p);
     }
@@ -760,7 +772,7 @@ fn skin_patch(from: Skinner, into: Skinned, scratch: &mut Scratch) {
         }
     }
     by_point[..slots.len()].fill(lanes::ZERO);
-    let volume = sweeps::volume_and_gradient(patches, patch, p, by_point);
+    let volume = sweeps::volume_and_gradient(simd, patches, patch, p, by_point);
     if let Some(last) = last {
         into.changes[last].loss -= volume;
     }
@@ -816,8 +828,8 @@ fn import_gradient(binding: &Binding, index: usize, sources: &[V4], gradient: &m
 }
 
 /// V(P + tR) of a patch, P the points as moved so far and R the residual's field.
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
-fn cubic_of_patch(patches: &Patches, index: usize, skinned: &[V4], moves: &[Move], scratch: &mut Scratch) -> VolumeCubic {
+#[inline(always)]
+fn cubic_of_patch<S: Simd>(simd: S, patches: &Patches, index: usize, skinned: &[V4], moves: &[Move], scratch: &mut Scratch) -> VolumeCubic {
     let patch = &patches.list[index];
     let Scratch { first: p, second: u, .. } = scratch;
     for ((p, u), &slot) in p.iter_mut().zip(u.iter_mut()).zip(&patches.local[patch.local.clone()]) {
@@ -825,12 +837,13 @@ fn cubic_of_patch(patches: &Patches, index: usize, skinned: &[V4], moves: &[Move
         let point = moves[slot];
         (*p, *u) = (add(skinned[slot], widened(point.by)), widened(point.residual));
     }
-    sweeps::volume_cubic(patches, patch, p, u)
+    sweeps::volume_cubic(simd, patches, patch, p, u)
 }
 
 /// Offsets of some vertices; the largest squared length.
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
-fn write_some(
+#[inline(always)]
+fn write_some<S: Simd>(
+    _: S,
     moves: &[Move],
     slots: &[u32],
     of_vertex: &[u32],

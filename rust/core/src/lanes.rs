@@ -1,5 +1,9 @@
-//! Vectors padded to four lanes, the last one 0: what the sweeps over faces compute with. Compilers turn them into SIMD.
+//! Vectors padded to four lanes, the last one 0, and four such vectors side by side.
 
+use std::ops::{Add, Sub};
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f64x2, f64x4};
 use glam::DVec3;
 
 use crate::skinning::Columns;
@@ -67,52 +71,79 @@ pub(crate) fn transform(m: &Columns, p: V4) -> V4 {
     add_scaled(add_scaled(add_scaled(m[3], m[0], p[0]), m[1], p[1]), m[2], p[2])
 }
 
-/// Four vectors side by side: one lane each.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Four {
-    x: V4,
-    y: V4,
-    z: V4,
+/// Four vectors side by side: one to a lane.
+#[derive(Clone, Copy)]
+pub(crate) struct Four<S: Simd> {
+    x: f64x4<S>,
+    y: f64x4<S>,
+    z: f64x4<S>,
 }
 
-impl Four {
+impl<S: Simd> Four<S> {
+    /// From rows of a buffer.
     #[inline(always)]
-    pub fn from_rows([a, b, c, d]: [V4; 4]) -> Self {
-        Self { x: [a[0], b[0], c[0], d[0]], y: [a[1], b[1], c[1], d[1]], z: [a[2], b[2], c[2], d[2]] }
+    pub fn gather(simd: S, rows: &[V4; 256], [a, b, c, d]: [u8; 4]) -> Self {
+        let low = |i: u8| f64x2::simd_from(simd, [rows[usize::from(i)][0], rows[usize::from(i)][1]]);
+        let high = |i: u8| f64x2::simd_from(simd, [rows[usize::from(i)][2], rows[usize::from(i)][3]]);
+        let (xy_a, xy_b, xy_c, xy_d) = (low(a), low(b), low(c), low(d));
+        Self {
+            x: xy_a.zip_low(xy_b).combine(xy_c.zip_low(xy_d)),
+            y: xy_a.zip_high(xy_b).combine(xy_c.zip_high(xy_d)),
+            z: high(a).zip_low(high(b)).combine(high(c).zip_low(high(d))),
+        }
     }
 
+    /// Adds to rows of a buffer, one after the other: lanes may name the same row.
     #[inline(always)]
-    pub fn to_rows(self) -> [V4; 4] {
-        let Self { x, y, z } = self;
-        [[x[0], y[0], z[0], 0.0], [x[1], y[1], z[1], 0.0], [x[2], y[2], z[2], 0.0], [x[3], y[3], z[3], 0.0]]
-    }
-
-    #[inline(always)]
-    pub fn add(self, b: Self) -> Self {
-        Self { x: add(self.x, b.x), y: add(self.y, b.y), z: add(self.z, b.z) }
-    }
-
-    #[inline(always)]
-    pub fn sub(self, b: Self) -> Self {
-        Self { x: sub(self.x, b.x), y: sub(self.y, b.y), z: sub(self.z, b.z) }
+    pub fn scatter_add(self, simd: S, rows: &mut [V4; 256], [a, b, c, d]: [u8; 4]) {
+        let ((x_ab, x_cd), (y_ab, y_cd), (z_ab, z_cd)) = (self.x.split(), self.y.split(), self.z.split());
+        let none = f64x2::splat(simd, 0.0);
+        let mut add = |i: u8, xy: f64x2<S>, z: f64x2<S>| {
+            let row = &mut rows[usize::from(i)];
+            *row = (f64x4::simd_from(simd, *row) + xy.combine(z)).into();
+        };
+        add(a, x_ab.zip_low(y_ab), z_ab.zip_low(none));
+        add(b, x_ab.zip_high(y_ab), z_ab.zip_high(none));
+        add(c, x_cd.zip_low(y_cd), z_cd.zip_low(none));
+        add(d, x_cd.zip_high(y_cd), z_cd.zip_high(none));
     }
 
     #[inline(always)]
     pub fn scale(self, s: f64) -> Self {
-        Self { x: scale(self.x, s), y: scale(self.y, s), z: scale(self.z, s) }
+        Self { x: self.x * s, y: self.y * s, z: self.z * s }
     }
 
     #[inline(always)]
     pub fn cross(self, b: Self) -> Self {
-        Self {
-            x: sub(mul(self.y, b.z), mul(self.z, b.y)),
-            y: sub(mul(self.z, b.x), mul(self.x, b.z)),
-            z: sub(mul(self.x, b.y), mul(self.y, b.x)),
-        }
+        Self { x: self.y * b.z - self.z * b.y, y: self.z * b.x - self.x * b.z, z: self.x * b.y - self.y * b.x }
     }
 
     #[inline(always)]
-    pub fn dot(self, b: Self) -> V4 {
-        add(add(mul(self.x, b.x), mul(self.y, b.y)), mul(self.z, b.z))
+    pub fn dot(self, b: Self) -> f64x4<S> {
+        self.x * b.x + self.y * b.y + self.z * b.z
+    }
+
+    /// Sum over the lanes.
+    #[inline(always)]
+    pub fn sum(self) -> V4 {
+        [sum(self.x.into()), sum(self.y.into()), sum(self.z.into()), 0.0]
+    }
+}
+
+impl<S: Simd> Add for Four<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, b: Self) -> Self {
+        Self { x: self.x + b.x, y: self.y + b.y, z: self.z + b.z }
+    }
+}
+
+impl<S: Simd> Sub for Four<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, b: Self) -> Self {
+        Self { x: self.x - b.x, y: self.y - b.y, z: self.z - b.z }
     }
 }

@@ -4,6 +4,7 @@
 //! is no closed form of losses, for dual quaternions and rest shapes that shape keys change, the volume is taken at every
 //! stage. The last stage is the skinned surface itself, so the changes sum to the whole by construction.
 
+use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
 use crate::csr::Csr;
@@ -96,7 +97,7 @@ impl Stages {
             for (p, slot) in buffer.iter_mut().zip(&patches.local[patch.local.clone()]) {
                 *p = place(slot);
             }
-            let (volume, area) = sweeps::moment(patches, patch, &buffer);
+            let (volume, area) = dispatch!(Level::new(), simd => sweeps::moment(simd, patches, patch, &buffer));
             bodies.push(patch.component, top, (volume, lanes::to(area)));
         }
         for (giant, top) in patches.giants.iter().zip(&mut tops) {
@@ -193,13 +194,13 @@ impl Stages {
     ///
     /// The loss of the last joint that moves is what is left before it: `close` takes from it what is left after it.
     #[inline(always)]
-    pub fn measure(
+    pub fn measure<P: AsMut<[V4]>>(
         &self,
         body: Body,
         moment: Moment,
         mut rows: Rows,
-        positions: &mut [V4],
-        volume: impl Fn(&[V4]) -> f64,
+        positions: &mut P,
+        volume: impl Fn(&P) -> f64,
         changes: &mut [Change],
     ) -> Option<usize> {
         changes.fill(Change::default());
@@ -216,7 +217,7 @@ impl Stages {
             let mut stretched = before;
             if motions.has_intent[joint] {
                 self.add(body, stage, motions.stretched(joint), &mut rows);
-                place_all(body, &rows, positions);
+                place_all(body, &rows, positions.as_mut());
                 stretched = volume(positions);
                 self.start(body, &mut rows);
                 for (earlier, &joint) in joints[..stage].iter().enumerate() {
@@ -226,12 +227,12 @@ impl Stages {
             self.add(body, stage, joint, &mut rows);
             *change = Change { intent: stretched - before, loss: stretched };
             if Some(stage) != last {
-                place_all(body, &rows, positions);
+                place_all(body, &rows, positions.as_mut());
                 before = volume(positions);
                 change.loss -= before;
             }
         }
-        place_all(body, &rows, positions);
+        place_all(body, &rows, positions.as_mut());
         last
     }
 

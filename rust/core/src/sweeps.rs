@@ -3,6 +3,9 @@
 
 use std::ops::Range;
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f64x4};
+
 use crate::lanes::{self, Four, V4, add, add_scaled, cross, mul, scale, sub};
 use crate::patches::{PATCH_POINTS, Patch, Patches};
 use crate::volume::VolumeCubic;
@@ -15,77 +18,79 @@ pub(crate) const GRADIENT_PARTS: f64 = 24.0;
 
 /// Volume of the cones over a patch's faces with the origin.
 #[inline(always)]
-pub(crate) fn volume(patches: &Patches, patch: &Patch, p: &Buffer) -> f64 {
-    let mut lanes24 = lanes::ZERO;
+pub(crate) fn volume<S: Simd>(simd: S, patches: &Patches, patch: &Patch, p: &Buffer) -> f64 {
+    let none = f64x4::splat(simd, 0.0);
+    let (mut lanes24, mut lanes6) = (none, none);
     for corners in &patches.quads[patch.quads.clone()] {
-        let [a, b, c, d] = quad(p, corners);
-        lanes24 = add(lanes24, a.add(b).add(c.add(d)).dot(c.sub(a).cross(d.sub(b))));
+        let [a, b, c, d] = quad(simd, p, corners);
+        lanes24 += (a + b + c + d).dot((c - a).cross(d - b));
     }
-    let mut lanes6 = lanes::ZERO;
     for corners in &patches.triangles[patch.triangles.clone()] {
-        let [a, b, c] = triangle(p, corners);
-        lanes6 = add(lanes6, a.dot(b.sub(a).cross(c.sub(a))));
+        let [a, b, c] = triangle(simd, p, corners);
+        lanes6 += a.dot((b - a).cross(c - a));
     }
+    let mut polygon6 = lanes::ZERO;
     for f in polygons(patches, &patch.polygons) {
         let (mean, area) = mean_and_cross(f.iter().map(|&i| p[i as usize]));
-        lanes6 = add(lanes6, mul(mean, area));
+        polygon6 = add(polygon6, mul(mean, area));
     }
-    lanes::sum(lanes24) / 24.0 + lanes::sum(lanes6) / 6.0
+    lanes::sum(lanes24.into()) / 24.0 + (lanes::sum(lanes6.into()) + lanes::sum(polygon6)) / 6.0
 }
 
 /// Volume and area vector of a patch's faces.
-pub(crate) fn moment(patches: &Patches, patch: &Patch, p: &Buffer) -> (f64, V4) {
+#[inline(always)]
+pub(crate) fn moment<S: Simd>(simd: S, patches: &Patches, patch: &Patch, p: &Buffer) -> (f64, V4) {
     let mut area2 = lanes::ZERO;
-    let mut sum = |area: Four| area.to_rows().iter().for_each(|&row| area2 = add(area2, row));
     for corners in &patches.triangles[patch.triangles.clone()] {
-        let [a, b, c] = triangle(p, corners);
-        sum(b.sub(a).cross(c.sub(a)));
+        let [a, b, c] = triangle(simd, p, corners);
+        area2 = add(area2, (b - a).cross(c - a).sum());
     }
     for corners in &patches.quads[patch.quads.clone()] {
-        let [a, b, c, d] = quad(p, corners);
-        sum(c.sub(a).cross(d.sub(b)));
+        let [a, b, c, d] = quad(simd, p, corners);
+        area2 = add(area2, (c - a).cross(d - b).sum());
     }
     for f in polygons(patches, &patch.polygons) {
         area2 = add(area2, mean_and_cross(f.iter().map(|&i| p[i as usize])).1);
     }
-    (volume(patches, patch, p), scale(area2, 0.5))
+    (volume(simd, patches, patch, p), scale(area2, 0.5))
 }
 
 /// Volume of a patch, and its derivative by each local point times `GRADIENT_PARTS` [MATH §1]; `gradient` starts at 0.
 #[inline(always)]
-pub(crate) fn volume_and_gradient(patches: &Patches, patch: &Patch, p: &Buffer, gradient: &mut Buffer) -> f64 {
-    let mut lanes24 = lanes::ZERO;
+pub(crate) fn volume_and_gradient<S: Simd>(simd: S, patches: &Patches, patch: &Patch, p: &Buffer, gradient: &mut Buffer) -> f64 {
+    let none = f64x4::splat(simd, 0.0);
+    let (mut lanes24, mut lanes6) = (none, none);
     for corners in &patches.quads[patch.quads.clone()] {
-        let [a, b, c, d] = quad(p, corners);
-        let (first, second, all) = (c.sub(a), d.sub(b), a.add(b).add(c.add(d)));
+        let [a, b, c, d] = quad(simd, p, corners);
+        let (first, second, all) = (c - a, d - b, a + b + c + d);
         let area = first.cross(second);
-        lanes24 = add(lanes24, all.dot(area));
+        lanes24 += all.dot(area);
         let (by_first, by_second) = (first.cross(all), second.cross(all));
-        give(gradient, corners[0], area.sub(by_second));
-        give(gradient, corners[1], area.add(by_first));
-        give(gradient, corners[2], area.add(by_second));
-        give(gradient, corners[3], area.sub(by_first));
+        (area - by_second).scatter_add(simd, gradient, corners[0]);
+        (area + by_first).scatter_add(simd, gradient, corners[1]);
+        (area + by_second).scatter_add(simd, gradient, corners[2]);
+        (area - by_first).scatter_add(simd, gradient, corners[3]);
     }
-    let mut lanes6 = lanes::ZERO;
     for corners in &patches.triangles[patch.triangles.clone()] {
-        let [a, b, c] = triangle(p, corners);
+        let [a, b, c] = triangle(simd, p, corners);
         // det(a, b, c) by each corner: exact also where the three do not sum to a third of the area vector.
         let (bc, ca, ab) = (b.cross(c), c.cross(a), a.cross(b));
-        lanes6 = add(lanes6, a.dot(bc));
-        give(gradient, corners[0], bc.scale(GRADIENT_PARTS / 6.0));
-        give(gradient, corners[1], ca.scale(GRADIENT_PARTS / 6.0));
-        give(gradient, corners[2], ab.scale(GRADIENT_PARTS / 6.0));
+        lanes6 += a.dot(bc);
+        bc.scale(GRADIENT_PARTS / 6.0).scatter_add(simd, gradient, corners[0]);
+        ca.scale(GRADIENT_PARTS / 6.0).scatter_add(simd, gradient, corners[1]);
+        ab.scale(GRADIENT_PARTS / 6.0).scatter_add(simd, gradient, corners[2]);
     }
+    let mut polygon6 = lanes::ZERO;
     for f in polygons(patches, &patch.polygons) {
         let at = |i: u8| p[i as usize];
         let (mean, area) = mean_and_cross(f.iter().map(|&i| at(i)));
-        lanes6 = add(lanes6, mul(mean, area));
+        polygon6 = add(polygon6, mul(mean, area));
         for (k, &i) in f.iter().enumerate() {
             let (next, previous) = (at(f[(k + 1) % f.len()]), at(f[(k + f.len() - 1) % f.len()]));
             gradient[i as usize] = add(gradient[i as usize], polygon_gradient(mean, area, previous, next, f.len()));
         }
     }
-    lanes::sum(lanes24) / 24.0 + lanes::sum(lanes6) / 6.0
+    lanes::sum(lanes24.into()) / 24.0 + (lanes::sum(lanes6.into()) + lanes::sum(polygon6)) / 6.0
 }
 
 /// Derivative of a polygon's volume by a corner between `previous` and `next`, times `GRADIENT_PARTS`.
@@ -97,19 +102,20 @@ pub(crate) fn polygon_gradient(mean: V4, area: V4, previous: V4, next: V4, corne
 
 /// V(P + tU) of a patch.
 #[inline(always)]
-pub(crate) fn volume_cubic(patches: &Patches, patch: &Patch, p: &Buffer, u: &Buffer) -> VolumeCubic {
-    let mut quads = [lanes::ZERO; 4];
+pub(crate) fn volume_cubic<S: Simd>(simd: S, patches: &Patches, patch: &Patch, p: &Buffer, u: &Buffer) -> VolumeCubic {
+    let none = [f64x4::splat(simd, 0.0); 4];
+    let mut quads = none;
     for corners in &patches.quads[patch.quads.clone()] {
-        let ([a, b, c, d], [ua, ub, uc, ud]) = (quad(p, corners), quad(u, corners));
-        let mean = [a.add(b).add(c.add(d)), ua.add(ub).add(uc.add(ud))];
-        add_cone(&mut quads, mean, [c.sub(a), uc.sub(ua)], [d.sub(b), ud.sub(ub)]);
+        let ([a, b, c, d], [ua, ub, uc, ud]) = (quad(simd, p, corners), quad(simd, u, corners));
+        add_cone(&mut quads, [a + b + c + d, ua + ub + uc + ud], [c - a, uc - ua], [d - b, ud - ub]);
     }
-    let mut triangles = [lanes::ZERO; 4];
+    let mut triangles = none;
     for corners in &patches.triangles[patch.triangles.clone()] {
-        let ([a, b, c], [ua, ub, uc]) = (triangle(p, corners), triangle(u, corners));
-        add_cone(&mut triangles, [a, ua], [b.sub(a), ub.sub(ua)], [c.sub(a), uc.sub(ua)]);
+        let ([a, b, c], [ua, ub, uc]) = (triangle(simd, p, corners), triangle(simd, u, corners));
+        add_cone(&mut triangles, [a, ua], [b - a, ub - ua], [c - a, uc - ua]);
     }
-    let mut cubic = VolumeCubic(std::array::from_fn(|i| lanes::sum(quads[i]) / 24.0 + lanes::sum(triangles[i]) / 6.0));
+    let coefficient = |i: usize| lanes::sum(quads[i].into()) / 24.0 + lanes::sum(triangles[i].into()) / 6.0;
+    let mut cubic = VolumeCubic([coefficient(0), coefficient(1), coefficient(2), coefficient(3)]);
     for f in polygons(patches, &patch.polygons) {
         cubic.join(&polygon_cubic(f.iter().map(|&i| (p[i as usize], u[i as usize]))));
     }
@@ -118,39 +124,24 @@ pub(crate) fn volume_cubic(patches: &Patches, patch: &Patch, p: &Buffer, u: &Buf
 
 /// Adds mean · (first × second), each linear in t.
 #[inline(always)]
-fn add_cone(sums: &mut [V4; 4], mean: [Four; 2], first: [Four; 2], second: [Four; 2]) {
+fn add_cone<S: Simd>(sums: &mut [f64x4<S>; 4], mean: [Four<S>; 2], first: [Four<S>; 2], second: [Four<S>; 2]) {
     let area = first[0].cross(second[0]);
-    let by_t = first[1].cross(second[0]).add(first[0].cross(second[1]));
+    sums[0] += mean[0].dot(area);
+    let by_t = first[1].cross(second[0]) + first[0].cross(second[1]);
+    sums[1] += mean[1].dot(area) + mean[0].dot(by_t);
     let by_t2 = first[1].cross(second[1]);
-    sums[0] = add(sums[0], mean[0].dot(area));
-    sums[1] = add(sums[1], add(mean[1].dot(area), mean[0].dot(by_t)));
-    sums[2] = add(sums[2], add(mean[1].dot(by_t), mean[0].dot(by_t2)));
-    sums[3] = add(sums[3], mean[1].dot(by_t2));
+    sums[2] += mean[1].dot(by_t) + mean[0].dot(by_t2);
+    sums[3] += mean[1].dot(by_t2);
 }
 
 #[inline(always)]
-fn four(p: &Buffer, [a, b, c, d]: [u8; 4]) -> Four {
-    Four::from_rows([p[usize::from(a)], p[usize::from(b)], p[usize::from(c)], p[usize::from(d)]])
+fn triangle<S: Simd>(simd: S, p: &Buffer, [a, b, c]: &[[u8; 4]; 3]) -> [Four<S>; 3] {
+    [Four::gather(simd, p, *a), Four::gather(simd, p, *b), Four::gather(simd, p, *c)]
 }
 
 #[inline(always)]
-fn triangle(p: &Buffer, [a, b, c]: &[[u8; 4]; 3]) -> [Four; 3] {
-    [four(p, *a), four(p, *b), four(p, *c)]
-}
-
-#[inline(always)]
-fn quad(p: &Buffer, [a, b, c, d]: &[[u8; 4]; 4]) -> [Four; 4] {
-    [four(p, *a), four(p, *b), four(p, *c), four(p, *d)]
-}
-
-/// Adds to the gradient at one corner of four faces.
-#[inline(always)]
-fn give(gradient: &mut Buffer, [a, b, c, d]: [u8; 4], parts: Four) {
-    let [at_a, at_b, at_c, at_d] = parts.to_rows();
-    gradient[usize::from(a)] = add(gradient[usize::from(a)], at_a);
-    gradient[usize::from(b)] = add(gradient[usize::from(b)], at_b);
-    gradient[usize::from(c)] = add(gradient[usize::from(c)], at_c);
-    gradient[usize::from(d)] = add(gradient[usize::from(d)], at_d);
+fn quad<S: Simd>(simd: S, p: &Buffer, [a, b, c, d]: &[[u8; 4]; 4]) -> [Four<S>; 4] {
+    [Four::gather(simd, p, *a), Four::gather(simd, p, *b), Four::gather(simd, p, *c), Four::gather(simd, p, *d)]
 }
 
 /// V(P + tU) of one polygon.

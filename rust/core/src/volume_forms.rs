@@ -8,7 +8,8 @@
 
 use std::collections::{BTreeMap, HashSet};
 
-use multiversion::multiversion;
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch, f64x4};
 use rayon::prelude::*;
 
 use crate::csr::Csr;
@@ -144,6 +145,7 @@ impl VolumeForms {
                 buffers.stretched[joint] = std::array::from_fn(|i| sub(stretched[i], above[i]));
             }
         }
+        let level = Level::new();
         let FormBuffers { whole, added, stretched, changes } = buffers;
         changes.par_iter_mut().zip(&self.turns).enumerate().with_min_len(32).for_each(|(index, (change, turn))| {
             let joint = usize::from(turn.joint);
@@ -153,9 +155,9 @@ impl VolumeForms {
             }
             let blocks = self.blocks.row(index);
             let above = &whole[usize::from(turn.top)];
-            let total = gain(blocks, &self.numbers, above, added, turn.joint, &added[joint]);
-            let intent =
-                if motions.has_intent[joint] { gain(blocks, &self.numbers, above, added, turn.joint, &stretched[joint]) } else { 0.0 };
+            let gain_with = |last: &Span| dispatch!(level, simd => gain(simd, blocks, &self.numbers, above, added, turn.joint, last));
+            let total = gain_with(&added[joint]);
+            let intent = if motions.has_intent[joint] { gain_with(&stretched[joint]) } else { 0.0 };
             *change = Change { intent, loss: intent - total };
         });
         for (change, turn) in changes.iter().zip(&self.turns) {
@@ -169,8 +171,8 @@ fn span(m: &Columns, centre: V4) -> Span {
 }
 
 /// Volume that a joint's blocks hold with `last` as its span.
-#[multiversion(targets("x86_64+avx2", "x86_64+avx"))]
-fn gain(blocks: &[Block], numbers: &[f64], above: &Span, added: &[Span], joint: u16, last: &Span) -> f64 {
+#[inline(always)]
+fn gain<S: Simd>(simd: S, blocks: &[Block], numbers: &[f64], above: &Span, added: &[Span], joint: u16, last: &Span) -> f64 {
     let span_of = |of: u16| match of {
         TOP => above,
         of if of == joint => last,
@@ -183,15 +185,12 @@ fn gain(blocks: &[Block], numbers: &[f64], above: &Span, added: &[Span], joint: 
         if block.first != block.second && block.second != joint {
             // The common case, without searching for what is left out.
             for (c, numbers) in numbers[..64].as_chunks::<16>().0.iter().enumerate() {
-                let mut weighted = [lanes::ZERO; 4];
-                for b in 0..4 {
-                    for a in 0..4 {
-                        weighted[b] = add_scaled(weighted[b], first[a], numbers[4 * b + a]);
-                    }
-                }
+                let first = first.map(|span| f64x4::simd_from(simd, span));
                 let mut crossed = lanes::ZERO;
                 for b in 0..4 {
-                    crossed = add(crossed, cross(weighted[b], second[b]));
+                    let [w, x, y, z] = [numbers[4 * b], numbers[4 * b + 1], numbers[4 * b + 2], numbers[4 * b + 3]];
+                    let weighted = first[0] * w + first[1] * x + first[2] * y + first[3] * z;
+                    crossed = add(crossed, cross(weighted.into(), second[b]));
                 }
                 lanes = add(lanes, mul(crossed, last[c]));
             }
