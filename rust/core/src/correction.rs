@@ -9,6 +9,8 @@ use crate::motions::Motions;
 const FRAME_BEND: f64 = 0.2;
 /// Largest displacement by one field, in joint lengths: beyond it the volume goes to a wider field.
 const DISPLACEMENT_MAX: f64 = 0.15;
+/// Steepest slope of a displacement along the limb: folds finer than they are high would be teeth.
+const SLOPE_MAX: f64 = 0.8;
 /// An axis, or a profile, whose hold is below this part of the whole hold hands its share over, smoothly.
 const HOLD_MIN: f64 = 1e-3;
 /// Volume of a joint's vicinity over its length cubed: what a loss is compared with to fold.
@@ -46,8 +48,13 @@ impl FieldFrame {
         if settings.profiles.is_none() && settings.shares == Shares::Auto {
             return frame;
         }
-        if let Some((_, loss)) = settings.profiles.as_ref().and_then(|p| p.folded.as_ref()) {
-            frame.folded = (volume.abs() / (loss * VICINITY_VOLUME * length.powi(3))).min(1.0);
+        if let Some(profiles) = &settings.profiles {
+            let mut steepness = profiles.axes[0].steepness();
+            if let Some((folded, loss)) = &profiles.folded {
+                frame.folded = (volume.abs() / (loss * VICINITY_VOLUME * length.powi(3))).min(1.0);
+                steepness += (folded.steepness() - steepness) * frame.folded;
+            }
+            frame.displacement_max = frame.displacement_max.min(SLOPE_MAX / steepness.max(SLOPE_MAX) * length);
         }
         let along = tree.along_parent[joint].and_then(|v| (parent.matrix3 * v).try_normalize());
         let own_direction = tree.along_own[joint].and_then(|v| (own.matrix3 * v).try_normalize());

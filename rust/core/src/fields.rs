@@ -14,25 +14,41 @@ pub(crate) type Row = [f32; PATCH_POINTS];
 /// Three coordinates of the points of one patch.
 pub(crate) type Rows<'a> = [&'a [f32]; 3];
 
-/// Squares and lengths of vectors.
-pub(crate) fn measure(vectors: Rows, squares: &mut Row, lengths: &mut Row) {
-    dispatch!(Level::new(), simd => measure_by_lanes(simd, vectors, squares, lengths))
+/// Directions of displacements: the gradient g of a point of rest area A, made less where skin is stretched or compressed.
+///
+/// Without this a point moves by |g|/A: stretched skin, an armpit, would grow fins, and a crease be pushed into itself.
+/// With q = |g|/A, 1 on skin as at rest, 2q/(1 + q²) of it is left: at most twice as far, and hardly at all in a crease.
+/// Also the volume each direction adds by its length, and the length.
+pub(crate) fn directions(gradient: Rows, inverse_areas: &[f32], directions: &mut [Row; 3], volumes: &mut Row, lengths: &mut Row) {
+    dispatch!(Level::new(), simd => directions_by_lanes(simd, gradient, inverse_areas, directions, volumes, lengths));
 }
 
 #[inline(always)]
-fn measure_by_lanes<S: Simd>(_: S, vectors: Rows, squares: &mut Row, lengths: &mut Row) {
-    let count = vectors[0].len();
-    let [x, y, z] = vectors.map(|row| &row[..count]);
-    let (squares, lengths) = (&mut squares[..count], &mut lengths[..count]);
+fn directions_by_lanes<S: Simd>(
+    _: S,
+    gradient: Rows,
+    inverse_areas: &[f32],
+    directions: &mut [Row; 3],
+    volumes: &mut Row,
+    lengths: &mut Row,
+) {
+    let count = inverse_areas.len();
+    let [x, y, z] = gradient.map(|row| &row[..count]);
+    let [dx, dy, dz] = directions.each_mut().map(|row| &mut row[..count]);
+    let (volumes, lengths) = (&mut volumes[..count], &mut lengths[..count]);
     for i in 0..count {
-        squares[i] = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
-        lengths[i] = squares[i].sqrt();
+        let square = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
+        let length = square.sqrt();
+        let q = length * inverse_areas[i];
+        let left = 2.0 * q / (1.0 + q * q);
+        (dx[i], dy[i], dz[i]) = (x[i] * left, y[i] * left, z[i] * left);
+        (volumes[i], lengths[i]) = (square * left, length * left);
     }
 }
 
 /// Weights times the joint's bell at each place.
 pub(crate) fn bell_heights(weights: &[f32], places: Rows, frame: &FieldFrame, heights: &mut [f32]) {
-    dispatch!(Level::new(), simd => bell_heights_by_lanes(simd, weights, places, frame, heights))
+    dispatch!(Level::new(), simd => bell_heights_by_lanes(simd, weights, places, frame, heights));
 }
 
 #[inline(always)]
@@ -52,18 +68,18 @@ fn bell_heights_by_lanes<S: Simd>(_: S, weights: &[f32], places: Rows, frame: &F
     }
 }
 
-/// Σ w·s and the largest w·l.
-pub(crate) fn sum_and_most(weights: &[f32], squares: &Row, lengths: &Row) -> (f64, f64) {
-    dispatch!(Level::new(), simd => sum_and_most_by_lanes(simd, weights, squares, lengths))
+/// Σ w·v and the largest w·l.
+pub(crate) fn sum_and_most(weights: &[f32], volumes: &Row, lengths: &Row) -> (f64, f64) {
+    dispatch!(Level::new(), simd => sum_and_most_by_lanes(simd, weights, volumes, lengths))
 }
 
 #[inline(always)]
-fn sum_and_most_by_lanes<S: Simd>(_: S, weights: &[f32], squares: &Row, lengths: &Row) -> (f64, f64) {
+fn sum_and_most_by_lanes<S: Simd>(_: S, weights: &[f32], volumes: &Row, lengths: &Row) -> (f64, f64) {
     let (mut sums, mut most) = ([0.0f32; LANES], [0.0f32; LANES]);
     let lanes = weights.as_chunks::<LANES>().0.iter();
-    for ((w, s), l) in lanes.zip(squares.as_chunks::<LANES>().0).zip(lengths.as_chunks::<LANES>().0) {
+    for ((w, v), l) in lanes.zip(volumes.as_chunks::<LANES>().0).zip(lengths.as_chunks::<LANES>().0) {
         for i in 0..LANES {
-            sums[i] += w[i] * s[i];
+            sums[i] += w[i] * v[i];
             let moved = w[i] * l[i];
             most[i] = if moved > most[i] { moved } else { most[i] };
         }
@@ -71,19 +87,21 @@ fn sum_and_most_by_lanes<S: Simd>(_: S, weights: &[f32], squares: &Row, lengths:
     (sum(sums), largest(most))
 }
 
-/// Σ w·(g·e)² and the largest w·|g·e|.
-pub(crate) fn sum_and_most_along(weights: &[f32], gradient: Rows, axis: [f32; 3]) -> (f64, f64) {
-    dispatch!(Level::new(), simd => sum_and_most_along_by_lanes(simd, weights, gradient, axis))
+/// Σ w·(g·e)(d·e) and the largest w·|d·e|.
+pub(crate) fn sum_and_most_along(weights: &[f32], gradient: Rows, directions: &[Row; 3], axis: [f32; 3]) -> (f64, f64) {
+    dispatch!(Level::new(), simd => sum_and_most_along_by_lanes(simd, weights, gradient, directions, axis))
 }
 
 #[inline(always)]
-fn sum_and_most_along_by_lanes<S: Simd>(_: S, weights: &[f32], gradient: Rows, axis: [f32; 3]) -> (f64, f64) {
+fn sum_and_most_along_by_lanes<S: Simd>(_: S, weights: &[f32], gradient: Rows, directions: &[Row; 3], axis: [f32; 3]) -> (f64, f64) {
     let (mut sums, mut most) = ([0.0f32; LANES], [0.0f32; LANES]);
     let [x, y, z] = gradient.map(|row| row.as_chunks::<LANES>().0);
-    for (((w, x), y), z) in weights.as_chunks::<LANES>().0.iter().zip(x).zip(y).zip(z) {
+    let [dx, dy, dz] = directions.each_ref().map(|row| row.as_chunks::<LANES>().0);
+    for (chunk, w) in weights.as_chunks::<LANES>().0.iter().enumerate() {
         for i in 0..LANES {
-            let slope = x[i] * axis[0] + y[i] * axis[1] + z[i] * axis[2];
-            let moved = w[i] * slope.abs();
+            let slope = x[chunk][i] * axis[0] + y[chunk][i] * axis[1] + z[chunk][i] * axis[2];
+            let along = dx[chunk][i] * axis[0] + dy[chunk][i] * axis[1] + dz[chunk][i] * axis[2];
+            let moved = w[i] * along.abs();
             sums[i] += moved * slope.abs();
             most[i] = if moved > most[i] { moved } else { most[i] };
         }
@@ -93,7 +111,7 @@ fn sum_and_most_along_by_lanes<S: Simd>(_: S, weights: &[f32], gradient: Rows, a
 
 /// What the fields of a patch and the residual's field add to its points.
 pub(crate) struct PatchFields {
-    /// Factors on the gradient: what needs no axes.
+    /// Factors on the directions: what needs no axes.
     by_gradient: Row,
     residual_by_gradient: Row,
     moved: [Row; 3],
@@ -131,19 +149,20 @@ impl PatchFields {
     }
 
     /// What a joint gives along its axes.
-    pub fn add_shaped(&mut self, field: &Field, sign: f32, heights: &[f32], gradient: Rows) {
-        add_along_axes(field, sign, heights, gradient, &mut self.moved, &mut self.residual);
+    pub fn add_shaped(&mut self, field: &Field, sign: f32, heights: &[f32], directions: &[Row; 3]) {
+        add_along_axes(field, sign, heights, directions.each_ref().map(|row| &row[..]), &mut self.moved, &mut self.residual);
     }
 
-    /// Ends the sums: adds what goes along the gradient.
-    pub fn add_along(&mut self, gradient: Rows) {
+    /// Ends the sums: adds what needs no axes.
+    pub fn add_along(&mut self, directions: &[Row; 3]) {
+        let gradient = directions.each_ref().map(|row| &row[..]);
         add_along_gradient(&self.by_gradient, gradient, &mut self.moved);
         add_along_gradient(&self.residual_by_gradient, gradient, &mut self.residual);
     }
 }
 
 fn add_factors(field: &Field, sign: f32, weights: &[f32], heights: &[f32], by_gradient: &mut Row, residual: &mut Row) {
-    dispatch!(Level::new(), simd => add_factors_by_lanes(simd, field, sign, weights, heights, by_gradient, residual))
+    dispatch!(Level::new(), simd => add_factors_by_lanes(simd, field, sign, weights, heights, by_gradient, residual));
 }
 
 #[inline(always)]
@@ -167,7 +186,7 @@ fn add_factors_by_lanes<S: Simd>(
 }
 
 fn add_along_axes(field: &Field, sign: f32, heights: &[f32], gradient: Rows, moved: &mut [Row; 3], residual: &mut [Row; 3]) {
-    dispatch!(Level::new(), simd => add_along_axes_by_lanes(simd, field, sign, heights, gradient, moved, residual))
+    dispatch!(Level::new(), simd => add_along_axes_by_lanes(simd, field, sign, heights, gradient, moved, residual));
 }
 
 #[inline(always)]
@@ -195,7 +214,7 @@ fn add_along_axes_by_lanes<S: Simd>(
 }
 
 fn add_along_gradient(factors: &Row, gradient: Rows, moved: &mut [Row; 3]) {
-    dispatch!(Level::new(), simd => add_along_gradient_by_lanes(simd, factors, gradient, moved))
+    dispatch!(Level::new(), simd => add_along_gradient_by_lanes(simd, factors, gradient, moved));
 }
 
 #[inline(always)]

@@ -386,10 +386,12 @@ impl Workspace {
                 let mut gradient = gradient.map(|row| row.values);
                 import_gradient(binding, index, sources, &mut gradient);
                 let gradient = gradient.map(|row| &*row);
-                let (mut squares, mut lengths, mut bell): (Row, Row, Row) = ([0.0; PATCH_POINTS], [0.0; PATCH_POINTS], [0.0; PATCH_POINTS]);
-                fields::measure(gradient, &mut squares, &mut lengths);
+                let (mut volumes, mut lengths, mut bell): (Row, Row, Row) = ([0.0; PATCH_POINTS], [0.0; PATCH_POINTS], [0.0; PATCH_POINTS]);
+                let mut directions: [Row; 3] = [[0.0; PATCH_POINTS]; 3];
+                let areas = &binding.inverse_areas[slots.clone()];
+                fields::directions(gradient, areas, &mut directions, &mut volumes, &mut lengths);
                 let places = places.map(|row| &row[slots.clone()]);
-                sums[0].wide_hold = fields::sum_and_most(&binding.inverse_areas[slots.clone()], &squares, &lengths).0;
+                sums[0].wide_hold = fields::sum_and_most(areas, &volumes, &lengths).0;
                 let row_length = slots.len();
                 for (row, (&job, hold)) in supports.jobs_of_patch.row(index).iter().zip(holds.values).enumerate() {
                     let state = &jobs[job as usize];
@@ -409,12 +411,13 @@ impl Workspace {
                             *profiled = weights[i] * state.frame.height(profiles, DVec3::from_array(p)) as f32;
                         }
                     }
-                    (hold.all, hold.all_most) = fields::sum_and_most(weights, &squares, &lengths);
-                    (hold.bell, hold.bell_most) = fields::sum_and_most(bell, &squares, &lengths);
+                    (hold.all, hold.all_most) = fields::sum_and_most(weights, &volumes, &lengths);
+                    (hold.bell, hold.bell_most) = fields::sum_and_most(bell, &volumes, &lengths);
                     if state.frame.has_axes() {
                         let shape = if profiles.is_some() { &profiled.values[at] } else { &*bell };
                         for (axis, e) in state.frame.axes.iter().enumerate() {
-                            (hold.along[axis], hold.along_most[axis]) = fields::sum_and_most_along(shape, gradient, e.as_vec3().to_array());
+                            (hold.along[axis], hold.along_most[axis]) =
+                                fields::sum_and_most_along(shape, gradient, &directions, e.as_vec3().to_array());
                         }
                     }
                 }
@@ -482,7 +485,9 @@ impl Workspace {
             if matches!(pass, Pass::All) {
                 fields.add_wide(&binding.inverse_areas[slots.clone()], component.wide_field, component.wide_residual);
             }
-            let mut bell: Row = [0.0; PATCH_POINTS];
+            let (mut unused, mut lengths, mut bell): (Row, Row, Row) = ([0.0; PATCH_POINTS], [0.0; PATCH_POINTS], [0.0; PATCH_POINTS]);
+            let mut directions: [Row; 3] = [[0.0; PATCH_POINTS]; 3];
+            fields::directions(gradient, &binding.inverse_areas[slots.clone()], &mut directions, &mut unused, &mut lengths);
             let bell = &mut bell[..slots.len()];
             for (row, &job) in supports.jobs_of_patch.row(index).iter().enumerate() {
                 let state = &jobs[job as usize];
@@ -497,10 +502,10 @@ impl Workspace {
                 fields.add_round(&state.field, sign, weights, bell);
                 if state.frame.has_axes() {
                     let has_profiles = settings[binding.plan.jobs[job as usize].joint as usize].profiles.is_some();
-                    fields.add_shaped(&state.field, sign, if has_profiles { &profiled[at] } else { bell }, gradient);
+                    fields.add_shaped(&state.field, sign, if has_profiles { &profiled[at] } else { bell }, &directions);
                 }
             }
-            fields.add_along(gradient);
+            fields.add_along(&directions);
             for (i, old) in moves.values.iter_mut().enumerate() {
                 keep(old, Move { by: fields.moved(i), residual: fields.residual(i) });
             }

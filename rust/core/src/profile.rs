@@ -25,6 +25,13 @@ impl Profile {
         Ok(Self { samples: samples.iter().map(|s| s.max(0.0)).collect(), half_steps })
     }
 
+    /// Largest slope, over the largest height: how steep a fold of height 1 would be.
+    pub(crate) fn steepness(&self) -> f64 {
+        let highest = self.samples.iter().copied().fold(0.0, f64::max);
+        let steepest = self.samples.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
+        if highest > 0.0 { steepest * self.half_steps / highest } else { 0.0 }
+    }
+
     /// Height at x.
     #[inline]
     pub fn at(&self, x: f64) -> f64 {
