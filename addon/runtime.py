@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
@@ -59,8 +59,15 @@ class Character:
     needs_rebind: bool = False
     is_stale: bool = False
     notes: tuple[str, ...] = ()
-    figures: Figures | None = None
+    # Works out `figures`: called when a panel is drawn, since most frames are looked at by nobody.
+    measure: Callable[[], Figures] | None = None
     timing: Timing | None = None
+
+    @property
+    def figures(self) -> Figures | None:
+        """Of the last frame in the viewport."""
+        measure = self.measure
+        return None if measure is None else measure()
 
 
 @dataclass
@@ -99,7 +106,7 @@ def set_problem(uid: int, name: str, problem: str | None) -> None:
         known.problem = problem
         if problem is None:
             return
-        known.figures = known.timing = None
+        known.measure = known.timing = None
         is_news = problem not in known.logged
         known.logged.add(problem)
     if is_news:

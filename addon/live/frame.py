@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from time import perf_counter
 from typing import Any
 
@@ -62,7 +63,8 @@ def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, r
     report = run(engine, pose_matrices, options)
     done = perf_counter()
     if not runtime.session.is_rendering:
-        known.figures = _figures(report, bound, saved.target_volume)
+        strengths = bound.body.joint_strengths
+        known.measure = cache(lambda: _figures(report, bound, strengths, saved.target_volume))
         known.timing = runtime.Timing(1e3 * (read - started), 1e3 * (done - read), 0.0)
 
 
@@ -79,8 +81,10 @@ def _joints(target: bpy.types.Object, saved: settings.BodySettings, bound: Bound
     return joints.engine_joints(bones, names, strengths, sizes, use_auto_shares, shares, bound.tables)
 
 
-def _figures(report: turgor.Report, bound: Bound, target_scale: float) -> runtime.Figures:
-    found = figures.frame_figures(report, bound.body.rest_volume, bound.body.joint_strengths, target_scale)
+def _figures(
+    report: turgor.Report, bound: Bound, strengths: NDArray[np.float64], target_scale: float
+) -> runtime.Figures:
+    found = figures.frame_figures(report, bound.body.rest_volume, strengths, target_scale)
     names = [bound.bones.names[bone] for bone in bound.body.joint_bones]
     rows = zip(found.lost, found.regained, found.is_capped, strict=True)
     by_bone = {name: runtime.JointFigures(*row) for name, row in zip(names, rows, strict=True)}
