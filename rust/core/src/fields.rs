@@ -110,6 +110,7 @@ fn sum_and_most_along_by_lanes<S: Simd>(_: S, weights: &[f32], gradient: Rows, d
 }
 
 /// What the fields of a patch and the residual's field add to its points.
+#[repr(align(64))]
 pub(crate) struct PatchFields {
     /// Factors on the directions: what needs no axes.
     by_gradient: Row,

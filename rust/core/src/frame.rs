@@ -710,7 +710,8 @@ struct Skinner<'a> {
     index: usize,
 }
 
-/// Room for one patch: one for each thread, so that it stays in its cache.
+/// Room for one patch: one for each thread, so that it stays in its cache. No row crosses a cache line.
+#[repr(align(64))]
 struct Scratch {
     first: Buffer,
     second: Buffer,
