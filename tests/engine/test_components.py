@@ -157,3 +157,18 @@ def test_shells_that_share_a_point_are_both_exact(solver: Literal["simultaneous"
     frame = rig.body(solver=solver).deform(rig.bent(0.7))
     found = surface.mesh().component_volumes(frame.positions)
     np.testing.assert_allclose(found, frame.report.target_volumes, rtol=1e-12)
+
+
+def test_rims_that_share_points_are_capped_each_on_its_own():
+    """A prism stands on an open box: two opposite corners of their rims are the same points."""
+    box = cube()
+    rim = [(0.0, 0.0), (0.8, 0.2), (1.0, 1.0), (0.2, 0.8)]
+    prism = np.array([(x, y, z) for z in (1.0, 2.0) for x, y in rim])
+    walls = [[i, (i + 1) % 4, 4 + (i + 1) % 4, 4 + i] for i in range(4)]
+    index = [1, 8, 7, 9, 10, 11, 12, 13]  # corners of `prism` after those of the box; 1 and 7 are the box's
+    positions = np.vstack([box.positions, prism[[1, 3, 4, 5, 6, 7]]])
+    open_box = [face for face in box.faces if face != [1, 5, 7, 3]]
+    faces = [*open_box, *[[index[corner] for corner in face] for face in [*walls, [4, 5, 6, 7]]]]
+    parts = Surface(positions, faces).mesh().components
+    assert [part.status for part in parts] == ["capped", "capped"]
+    np.testing.assert_allclose([part.rest_volume for part in parts], [1.0, 0.6], rtol=1e-12)

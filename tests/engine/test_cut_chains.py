@@ -47,3 +47,15 @@ def test_the_shift_of_a_bone_that_hangs_by_its_skin_is_not_meant(seed: int, mode
     report = cut.body(mode).deform(pose).report
     assert abs(report.target_volumes[0] / rest - 1.0) < 1e-12
     assert report.relative_error < 1e-12
+
+
+@given(seeds, modes)
+def test_a_bone_without_weights_between_others_turns_and_means_nothing_by_it(seed: int, mode: Mode):
+    rig = limb(bone_count=5)
+    # What followed the third bone follows its neighbours: it only passes its turn on.
+    bones = np.where(rig.bones == 2, np.where(rig.surface.positions[:, :1] < 2.0, 1, 3), rig.bones)
+    helper = replace(rig, bones=bones.astype(np.int32))
+    pose = helper.random_pose(np.random.default_rng(seed), 0.6)
+    rest = helper.surface.mesh().components[0].rest_volume
+    report = helper.body(mode).deform(pose).report
+    assert abs(report.target_volumes[0] / rest - 1.0) < 1e-12

@@ -73,14 +73,13 @@ impl Binding {
         let anatomy = Anatomy { topology, patches: &patches, sites: &sites, joints: &face_joints, tree: &tree, heads: &heads };
         let plan = LossPlan::new(&anatomy, skinning.mode, has_shapes);
         let (area_unit, inverse_areas) = inverse_areas(topology, &patches, &points);
-        let joint_rest = tree.bones.iter().map(|&bone| skinning.skeleton.rest()[bone as usize]).collect();
         Self {
             components: topology.components.clone(),
             slot_of_vertex: topology.point_of_vertex.iter().map(|&point| patches.slot_of_point[point as usize]).collect(),
             component_of_vertex: topology.point_of_vertex.iter().map(|&point| topology.component_of_point[point as usize]).collect(),
             masses: masses(&influences, &centred, tree.len()),
             size: in_armature.iter().map(|p| p.distance(armature_from_rest.translation)).fold(0.0, f64::max),
-            motions: Motions::new(tree, joint_rest, skinning.mode),
+            motions: Motions::new(tree, skinning.skeleton.rest(), skinning.mode),
             shape_deltas: deltas_of_sites,
             bone_count: skinning.skeleton.len(),
             patches,

@@ -13,6 +13,8 @@ const DISPLACEMENT_MAX: f64 = 0.15;
 const SLOPE_MAX: f64 = 0.8;
 /// An axis, or a profile, whose hold is below this part of the whole hold hands its share over, smoothly.
 const HOLD_MIN: f64 = 1e-3;
+/// A vicinity that holds less than this part of its shell holds nothing.
+const SHELL_PART_MIN: f64 = 1e-9;
 /// Volume of a joint's vicinity over its length cubed: what a loss is compared with to fold.
 const VICINITY_VOLUME: f64 = 0.1;
 
@@ -150,10 +152,21 @@ pub(crate) struct Field {
 
 impl Field {
     /// The field that adds `volume`, shaped as far as the cap on displacements allows. What it leaves (`volume` minus
-    /// the field's own) is for a wider one.
-    pub fn new(frame: &FieldFrame, hold: &Hold, shares: Shares, volume: f64) -> Self {
+    /// the field's own) is for a wider one: that of the whole shell, whose hold is `shell`.
+    pub fn new(frame: &FieldFrame, hold: &Hold, shell: f64, shares: Shares, volume: f64) -> Self {
+        let field = Self::shaped(frame, hold, shell, shares, volume);
+        if field.is_usable() { field } else { Self { shaped: DMat3::ZERO, is_capped: true, ..Self::default() } }
+    }
+
+    /// Whether single precision can hold it.
+    fn is_usable(&self) -> bool {
+        let coefficients = self.shaped.to_cols_array();
+        coefficients.iter().chain([&self.bell, &self.all, &self.volume]).all(|c| c.abs() < f64::from(f32::MAX))
+    }
+
+    fn shaped(frame: &FieldFrame, hold: &Hold, shell: f64, shares: Shares, volume: f64) -> Self {
         let mut field = Self { shaped: DMat3::ZERO, ..Self::default() };
-        if hold.all <= 0.0 {
+        if hold.all <= SHELL_PART_MIN * shell || hold.all <= 0.0 {
             return field;
         }
         let most = frame.displacement_max;
@@ -164,13 +177,13 @@ impl Field {
             let alpha = match shares {
                 Shares::Auto => [wanted / total; 3],
                 Shares::Axes(shares) => {
-                    let taken: [f64; 3] = std::array::from_fn(|i| shares[i] * trust(hold.along[i], total));
-                    let sum: f64 = taken.iter().sum();
-                    if sum > 0.0 {
-                        std::array::from_fn(|i| if taken[i] > 0.0 { wanted * taken[i] / (sum * hold.along[i]) } else { 0.0 })
-                    } else {
-                        [wanted / total; 3]
-                    }
+                    // What an axis that hardly holds cannot take, all take by what they hold.
+                    let trusted: [f64; 3] = std::array::from_fn(|i| trust(hold.along[i], total));
+                    let missing: f64 = shares.iter().zip(trusted).map(|(share, trusted)| share * (1.0 - trusted)).sum();
+                    std::array::from_fn(|i| {
+                        let own = if hold.along[i] > 0.0 { shares[i] * trusted[i] / hold.along[i] } else { 0.0 };
+                        wanted * (own + missing / total)
+                    })
                 }
             };
             let bound = (0..3).map(|i| (alpha[i] * hold.along_most[i]).powi(2)).sum::<f64>().sqrt();

@@ -82,12 +82,12 @@ impl DualQuaternion {
 
     /// The affine map this dual quaternion is when alone.
     pub fn to_affine(self) -> DAffine3 {
-        let map = |p: DVec3| {
-            let p = lanes::from(p);
-            lanes::to(transform(self.rotation, self.dual_at(p), p))
-        };
-        let origin = map(DVec3::ZERO);
-        DAffine3 { matrix3: DMat3::from_cols(map(DVec3::X) - origin, map(DVec3::Y) - origin, map(DVec3::Z) - origin), translation: origin }
+        // A fixed rotation maps point and dual part together linearly: each column by itself keeps its digits.
+        let column = |i: usize, axis: DVec3| lanes::to(transform(self.rotation, self.dual[i], lanes::from(axis)));
+        DAffine3 {
+            matrix3: DMat3::from_cols(column(1, DVec3::X), column(2, DVec3::Y), column(3, DVec3::Z)),
+            translation: column(0, DVec3::ZERO),
+        }
     }
 }
 

@@ -140,7 +140,7 @@ struct ComponentState {
     wide_residual: f64,
     /// Whether the residual is left to the whole shell.
     is_wide_only: bool,
-    /// Step along the residual's field.
+    /// Step along the residual's field; NaN where nothing may move.
     step: f64,
 }
 
@@ -448,14 +448,14 @@ impl Workspace {
                 component.wide += state.volume;
                 continue;
             }
-            let field = Field::new(&state.frame, &state.hold, settings[job.joint as usize].shares, state.volume);
+            let field = Field::new(&state.frame, &state.hold, component.wide_hold, settings[job.joint as usize].shares, state.volume);
             component.wide += state.volume - field.volume;
             state.take(field);
         }
         for state in &mut self.components {
             if state.wide_hold > 0.0 {
-                state.wide_field = state.wide / state.wide_hold;
-                state.wide_residual = state.floor / state.wide_hold;
+                state.wide_field = in_single_precision(state.wide / state.wide_hold);
+                state.wide_residual = in_single_precision((state.floor + state.wide.abs()) / state.wide_hold);
             }
         }
     }
@@ -482,7 +482,7 @@ impl Workspace {
             let (gradient, places) = (gradient.map(|row| &row[slots.clone()]), places.map(|row| &row[slots.clone()]));
             let component = &components[patch.component as usize];
             let mut fields = PatchFields::new();
-            if matches!(pass, Pass::All) {
+            if !matches!(pass, Pass::Some(_)) {
                 fields.add_wide(&binding.inverse_areas[slots.clone()], component.wide_field, component.wide_residual);
             }
             let (mut unused, mut lengths, mut bell): (Row, Row, Row) = ([0.0; PATCH_POINTS], [0.0; PATCH_POINTS], [0.0; PATCH_POINTS]);
@@ -514,7 +514,7 @@ impl Workspace {
 
     /// The paper's order: parents first, axis after axis, each on the mesh so far. The residual's field stays as `apply` made it.
     pub(crate) fn apply_in_order(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
-        self.moves.iter_mut().for_each(|point| point.by = [0.0; 4]);
+        self.add_fields(binding, supports, settings, Pass::Shell, |old, new| old.by = new.by);
         for joint in 0..binding.motions.tree.len() {
             let is_mine = |job: usize, jobs: &[JobState]| binding.plan.jobs[job].joint as usize == joint && jobs[job].frame.is_active;
             let mine: Vec<usize> = (0..self.jobs.len()).filter(|&job| is_mine(job, &self.jobs)).collect();
@@ -536,7 +536,8 @@ impl Workspace {
                 for (&job, shares) in mine.iter().zip(&shares) {
                     let state = &mut self.jobs[job];
                     let axes = Shares::Axes(std::array::from_fn(|axis| f64::from(u8::from(axis == step))));
-                    state.take(Field::new(&state.frame.for_step(step), &state.hold, axes, state.volume * shares[step]));
+                    let shell = self.components[binding.plan.jobs[job].component as usize].wide_hold;
+                    state.take(Field::new(&state.frame.for_step(step), &state.hold, shell, axes, state.volume * shares[step]));
                 }
                 self.add_fields(binding, supports, settings, Pass::Some(&mine), |old, new| {
                     old.by = std::array::from_fn(|i| old.by[i] + new.by[i]);
@@ -601,10 +602,15 @@ impl Workspace {
             let root = if is_near { Some(0.0) } else { state.cubic.root_nearest_zero(state.target) };
             match root.filter(|step| state.is_wide_only || step.abs() <= RESIDUAL_STEP_MAX) {
                 Some(step) => state.step = step,
-                None if state.is_wide_only => state.step = 0.0,
-                None => state.is_wide_only = true,
+                None if !state.is_wide_only => state.is_wide_only = true,
+                None if state.cubic.0[0].is_finite() => state.step = 0.0,
+                // Beyond all numbers: as skinned.
+                None => state.step = f64::NAN,
             }
             state.corrected = if state.step == 0.0 { state.cubic.0[0] } else { state.cubic.at(state.step) };
+            if state.step.is_nan() {
+                state.corrected = state.skinned;
+            }
         }
     }
 
@@ -625,7 +631,8 @@ impl Workspace {
     /// Corrected − skinned of a vertex in double precision, armature space.
     pub(crate) fn displacement(&self, slot: u32, component: u32) -> DVec3 {
         self.moves.get(slot as usize).map_or(DVec3::ZERO, |point| {
-            lanes::to(add_scaled(widened(point.by), widened(point.residual), self.components[component as usize].step))
+            let step = self.components[component as usize].step;
+            if step.is_nan() { DVec3::ZERO } else { lanes::to(add_scaled(widened(point.by), widened(point.residual), step)) }
         })
     }
 
@@ -669,12 +676,15 @@ pub(crate) enum Pass<'a> {
     All,
     /// These, with heights as they are.
     Some(&'a [usize]),
+    /// None: only the field of the whole shell.
+    Shell,
 }
 
 impl Pass<'_> {
     fn concerns(self, job: usize) -> bool {
         match self {
             Self::All => true,
+            Self::Shell => false,
             Self::Some(jobs) => jobs.contains(&job),
         }
     }
@@ -688,6 +698,11 @@ impl JobState {
         self.is_capped |= field.is_capped;
         self.field = field;
     }
+}
+
+/// The number, or 0 where single precision cannot hold it: a shell flattened to nothing has no field.
+fn in_single_precision(number: f64) -> f64 {
+    if number.abs() < f64::from(f32::MAX) { number } else { 0.0 }
 }
 
 fn ragged<'a>(coordinates: &'a mut Coordinates, offsets: &'a [u32]) -> [Ragged<'a, f32>; 3] {
@@ -859,11 +874,12 @@ fn write_some<S: Simd>(
 ) -> f64 {
     let mut largest = 0.0;
     for ((offset, &slot), &component) in offsets.iter_mut().zip(slots).zip(of_vertex) {
-        let Some(point) = moves.get(slot as usize) else {
+        let point = moves.get(slot as usize).map(|point| (point, step(component))).filter(|(_, step)| !step.is_nan());
+        let Some((point, step)) = point else {
             *offset = [0.0; 3];
             continue;
         };
-        let u = add_scaled(widened(point.by), widened(point.residual), step(component));
+        let u = add_scaled(widened(point.by), widened(point.residual), step);
         let u = add_scaled(add_scaled(scale(to_object[0], u[0]), to_object[1], u[1]), to_object[2], u[2]);
         let squared = lanes::sum(lanes::mul(u, u));
         largest = if squared > largest { squared } else { largest };

@@ -21,18 +21,23 @@ pub(crate) struct Motions {
     /// Joints that do exactly what their parent does.
     pub is_still: Vec<bool>,
     rest: Vec<DAffine3>,
+    /// Place of each bone at rest, armature space.
+    bone_heads: Vec<DVec3>,
 }
 
 impl Motions {
-    /// `rest`: rest matrix of each joint.
-    pub fn new(tree: JointTree, rest: Vec<DAffine3>, mode: Mode) -> Self {
+    /// `rest`: rest matrix of each bone.
+    pub fn new(tree: JointTree, rest: &[DAffine3], mode: Mode) -> Self {
         let count = tree.len();
+        let bone_heads = rest.iter().map(|m| m.translation).collect();
+        let rest = tree.bones.iter().map(|&bone| rest[bone as usize]).collect();
         Self {
             palette: Palette::new(mode, 2 * count + 1),
             channels: vec![DAffine3::IDENTITY; count + 1],
             has_intent: vec![false; count],
             is_still: vec![true; count],
             rest,
+            bone_heads,
             tree,
         }
     }
@@ -40,6 +45,26 @@ impl Motions {
     /// Index of the motion of a joint that is stretched and shifted only.
     pub fn stretched(&self, joint: usize) -> usize {
         self.tree.len() + 1 + joint
+    }
+
+    /// Where a joint goes that is shifted and stretched like itself and the bones without weight above it, but not turned.
+    fn intended(&self, joint: usize, parent: &DAffine3, pose: &[DAffine3], size: f64) -> Option<DAffine3> {
+        let mut above = *parent;
+        let mut stretched = *parent;
+        let mut is_meant = false;
+        for &bone in self.tree.links.row(joint) {
+            let channel = pose[bone as usize];
+            if above.matrix3.determinant() == 0.0 {
+                return Some(self.channels[joint]);
+            }
+            let local = above.inverse() * channel;
+            if let Some(map) = intended(&local, self.bone_heads[bone as usize], size, self.tree.is_hung[joint]) {
+                stretched *= map;
+                is_meant = true;
+            }
+            above = channel;
+        }
+        is_meant.then_some(stretched)
     }
 
     /// Takes a pose. `size`: the mesh's, for what counts as a shift. `keep_bone_scale`: shift and stretch are intent.
@@ -54,8 +79,7 @@ impl Motions {
             self.palette.set(joint, &self.rest[joint], &channel, Some(above));
             let parent = self.channels[above];
             self.is_still[joint] = parent == channel;
-            let head = self.tree.heads[joint];
-            let intent = if keep_bone_scale { intended(&parent, &channel, head, size, self.tree.is_hung[joint]) } else { None };
+            let intent = if keep_bone_scale { self.intended(joint, &parent, pose, size) } else { None };
             self.has_intent[joint] = intent.is_some();
             if let Some(stretched) = intent {
                 let index = self.stretched(joint);
@@ -65,18 +89,14 @@ impl Motions {
     }
 }
 
-/// The shift and stretch of a joint against its parent without its turn; `None` when there is nothing but the turn.
+/// The shift and stretch of a bone against the one above without its turn; `None` when there is nothing but the turn.
 ///
 /// The shift of a joint that is hung where its skin blends is how a cut chain turns: no more meant than a turn.
-fn intended(parent: &DAffine3, channel: &DAffine3, head: DVec3, size: f64, is_hung: bool) -> Option<DAffine3> {
-    if parent.matrix3.determinant() == 0.0 {
-        return Some(*channel);
-    }
-    let local = parent.inverse() * *channel;
+fn intended(local: &DAffine3, head: DVec3, size: f64, is_hung: bool) -> Option<DAffine3> {
     let shift = if is_hung { DVec3::ZERO } else { local.transform_point3(head) - head };
     let Some(stretch) = stretch_of(&local.matrix3) else {
         // Mirrored or flattened: no turn can be told from it.
-        return Some(*channel);
+        return Some(*local);
     };
     let strain = stretch - DMat3::IDENTITY;
     let amount = strain.to_cols_array().iter().fold(0.0f64, |m, s| m.max(s.abs())) + shift.length() / size.max(f64::MIN_POSITIVE);
@@ -86,7 +106,7 @@ fn intended(parent: &DAffine3, channel: &DAffine3, head: DVec3, size: f64, is_hu
         return None;
     }
     let matrix3 = DMat3::IDENTITY + strain * part;
-    Some(*parent * DAffine3 { matrix3, translation: head + shift * part - matrix3 * head })
+    Some(DAffine3 { matrix3, translation: head + shift * part - matrix3 * head })
 }
 
 /// S of the polar decomposition A = R·S, by Newton's iteration for R; `None` unless A keeps its handedness.

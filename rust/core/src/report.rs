@@ -38,13 +38,13 @@ impl Report {
         }
     }
 
-    /// Largest |corrected − target| / |target| over components that have a target.
+    /// Largest |corrected − target| / |target| over components that have a target; infinite where that is no number.
     pub fn relative_error(&self) -> f64 {
         self.corrected_volumes
             .iter()
             .zip(&self.target_volumes)
             .filter(|(_, target)| **target != 0.0)
             .map(|(corrected, target)| ((corrected - target) / target).abs())
-            .fold(0.0, f64::max)
+            .fold(0.0, |largest, error| if error.is_nan() { f64::INFINITY } else { error.max(largest) })
     }
 }

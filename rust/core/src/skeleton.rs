@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{DAffine3, DMat4, DVec3};
 
+use crate::csr::Csr;
 use crate::error::{Error, Result};
 use crate::skinning::{Influences, affine};
 
@@ -85,6 +86,8 @@ pub(crate) struct JointTree {
     pub along_own: Vec<Option<DVec3>>,
     /// Joints that hang where their skin blends, not on a bone above them.
     pub is_hung: Vec<bool>,
+    /// Bones that carry no weight between each joint and the one above, from above, and then the joint's own.
+    pub links: Csr<u32>,
 }
 
 impl JointTree {
@@ -118,6 +121,7 @@ impl JointTree {
             along_parent: Vec::new(),
             along_own: Vec::new(),
             is_hung: Vec::new(),
+            links: Csr::default(),
         };
         let count = children.iter().map(Vec::len).sum::<usize>() as u16;
         let mut stack: Vec<(u32, u16)> = children[world].iter().rev().map(|&bone| (bone, count)).collect();
@@ -128,6 +132,11 @@ impl JointTree {
             tree.ends.push(joint + 1);
             tree.heads.push(skeleton.head(bone));
             tree.is_hung.push(is_hung[bone as usize]);
+            let between = std::iter::successors(skeleton.parents[bone as usize], |&b| skeleton.parents[b as usize]);
+            let has_above = parents[bone as usize].is_some() && !is_hung[bone as usize];
+            let mut links: Vec<u32> = between.take_while(|&b| has_above && masses[b as usize] <= 0.0).collect();
+            links.reverse();
+            tree.links.push_row(links.into_iter().chain([bone]));
             stack.extend(children[bone as usize].iter().rev().map(|&child| (child, joint)));
         }
         for joint in (0..tree.len()).rev() {

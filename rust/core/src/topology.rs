@@ -260,32 +260,34 @@ impl Surface {
 
     /// Boundary edges against the winding of their faces, so that the caps close the surface.
     fn caps(&self) -> Vec<(u32, Vec<u32>)> {
-        let mut following: HashMap<u32, Vec<(u32, u32)>> = HashMap::new();
+        // By component and point: shells may share points of their rims.
+        let mut following: HashMap<(u32, u32), Vec<u32>> = HashMap::new();
         let mut starts = Vec::new();
         for run in self.edges.chunk_by(|a, b| a.edge == b.edge).filter(|run| run.len() == 1) {
             let EdgeUse { edge: (low, high), face, forward } = run[0];
             let runs_forward = forward != self.flipped[face as usize];
             let (from, to) = if runs_forward { (high, low) } else { (low, high) };
-            following.entry(from).or_default().push((to, self.component_of_face[face as usize]));
-            starts.push(from);
+            let component = self.component_of_face[face as usize];
+            following.entry((component, from)).or_default().push(to);
+            starts.push((component, from));
         }
         // Loops through points where two openings touch are split there: each loop visits a point once.
         let mut caps = Vec::new();
         let mut position_in_path: HashMap<u32, usize> = HashMap::new();
-        for start in starts {
-            let mut path: Vec<(u32, u32)> = Vec::new();
+        for (component, start) in starts {
+            let mut path: Vec<u32> = Vec::new();
             let mut point = start;
-            while let Some((to, component)) = following.get_mut(&point).and_then(Vec::pop) {
+            while let Some(to) = following.get_mut(&(component, point)).and_then(Vec::pop) {
                 position_in_path.insert(point, path.len());
-                path.push((point, component));
+                path.push(point);
                 point = to;
                 if let Some(&first) = position_in_path.get(&point) {
-                    let ring: Vec<(u32, u32)> = path.drain(first..).collect();
-                    for (p, _) in &ring {
+                    let ring: Vec<u32> = path.drain(first..).collect();
+                    for p in &ring {
                         position_in_path.remove(p);
                     }
                     if ring.len() > 2 {
-                        caps.push((ring[0].1, ring.into_iter().map(|(p, _)| p).collect()));
+                        caps.push((component, ring));
                     }
                 }
             }
