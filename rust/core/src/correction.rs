@@ -8,7 +8,7 @@ use crate::motions::Motions;
 /// Sine of the bend at which half of the volume follows the joint's frame, half needs none.
 const FRAME_BEND: f64 = 0.2;
 /// Largest displacement by one field, in joint lengths: beyond it the volume goes to a wider field.
-const DISPLACEMENT_MAX: f64 = 0.15;
+const DISPLACEMENT_MAX: f64 = 0.08;
 /// Steepest slope of a displacement along the limb: folds finer than they are high would be teeth.
 const SLOPE_MAX: f64 = 0.8;
 /// An axis, or a profile, whose hold is below this part of the whole hold hands its share over, smoothly.

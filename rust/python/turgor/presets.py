@@ -18,7 +18,7 @@ SAMPLE_COUNT = 129
 # Width of the bells and distance of the muscle's centre from the joint, in joint lengths.
 BELL_WIDTH = 0.25
 MUSCLE_CENTRE = 0.35
-FOLD_FREQUENCY = 4.0
+FOLD_FREQUENCY = 3.0
 BELLY_WIDTHS = (0.35, 0.3, 0.3)
 
 _X: Profile = np.linspace(-1.0, 1.0, SAMPLE_COUNT, dtype=np.float64)
