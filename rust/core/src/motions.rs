@@ -94,6 +94,12 @@ impl Motions {
 /// The shift of a joint that is hung where its skin blends is how a cut chain turns: no more meant than a turn.
 fn intended(local: &DAffine3, head: DVec3, size: f64, is_hung: bool) -> Option<DAffine3> {
     let shift = if is_hung { DVec3::ZERO } else { local.transform_point3(head) - head };
+    // Half of AᵀA − 1 is the strain as long as it is small: most joints only turn, and are known by it.
+    let doubled = local.matrix3.transpose() * local.matrix3 - DMat3::IDENTITY;
+    let is_turn = doubled.to_cols_array().iter().all(|s| s.abs() <= INTENT_NOISE) && local.matrix3.determinant() > 0.0;
+    if is_turn && shift.length() <= 0.4 * INTENT_NOISE * size {
+        return None;
+    }
     let Some(stretch) = stretch_of(&local.matrix3) else {
         // Mirrored or flattened: no turn can be told from it.
         return Some(*local);

@@ -69,9 +69,8 @@ pub(crate) struct FormBuffers {
 
 /// Triples of functions of three joints that a block holds: of one joint each pair or triple once.
 fn functions(first: u16, second: u16, third: u16) -> impl Iterator<Item = [usize; 3]> {
-    (0..4)
-        .flat_map(move |c| (0..4).flat_map(move |b| (0..4).map(move |a| [a, b, c])))
-        .filter(move |&[a, b, c]| (first != second || a < b) && (second != third || b < c))
+    let below = |limit: usize, is_one: bool| 0..if is_one { limit } else { 4 };
+    (0..4).flat_map(move |c| below(c, second == third).flat_map(move |b| below(b, first == second).map(move |a| [a, b, c])))
 }
 
 /// Numbers of a block.
@@ -178,29 +177,24 @@ fn gain<S: Simd>(simd: S, blocks: &[Block], numbers: &[f64], above: &Span, added
         of if of == joint => last,
         of => &added[usize::from(of)],
     };
-    let mut lanes = lanes::ZERO;
+    let mut sum = f64x4::splat(simd, 0.0);
     for block in blocks {
         let (first, second) = (span_of(block.first), span_of(block.second));
-        let numbers = &numbers[block.start as usize..];
-        if block.first != block.second && block.second != joint {
-            // The common case, without searching for what is left out.
-            for (c, numbers) in numbers[..64].as_chunks::<16>().0.iter().enumerate() {
-                let first = first.map(|span| f64x4::simd_from(simd, span));
-                let mut crossed = lanes::ZERO;
-                for b in 0..4 {
-                    let [w, x, y, z] = [numbers[4 * b], numbers[4 * b + 1], numbers[4 * b + 2], numbers[4 * b + 3]];
-                    let weighted = first[0] * w + first[1] * x + first[2] * y + first[3] * z;
-                    crossed = add(crossed, cross(weighted.into(), second[b]));
+        let mut numbers = numbers[block.start as usize..].iter();
+        // In the order of `functions`.
+        for (c, &last) in last.iter().enumerate() {
+            let mut crossed = lanes::ZERO;
+            for b in 0..if block.second == joint { c } else { 4 } {
+                let mut weighted = f64x4::splat(simd, 0.0);
+                for (first, &number) in first[..if block.first == block.second { b } else { 4 }].iter().zip(&mut numbers) {
+                    weighted += f64x4::simd_from(simd, *first) * number;
                 }
-                lanes = add(lanes, mul(crossed, last[c]));
+                crossed = add(crossed, cross(weighted.into(), second[b]));
             }
-        } else {
-            for ([a, b, c], number) in functions(block.first, block.second, joint).zip(numbers) {
-                lanes = add_scaled(lanes, mul(first[a], cross(second[b], last[c])), *number);
-            }
+            sum += f64x4::simd_from(simd, crossed) * f64x4::simd_from(simd, last);
         }
     }
-    lanes::sum(lanes)
+    lanes::sum(sum.into())
 }
 
 /// True while no more than `limit` numbers are needed.
