@@ -14,7 +14,7 @@ SAMPLE_COUNT = 129
 FIT_TOLERANCE = 0.01
 MAX_POINTS = 48
 # Samples between two points at least: closer ones are no help to an artist.
-MIN_SPACING = 3
+MIN_SPACING = 2
 
 Tables = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 

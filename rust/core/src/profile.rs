@@ -25,11 +25,13 @@ impl Profile {
         Ok(Self { samples: samples.iter().map(|s| s.max(0.0)).collect(), half_steps })
     }
 
-    /// Largest slope, over the largest height: how steep a fold of height 1 would be.
+    /// Largest slope, over the largest height: how steep a fold of height 1 would be. Slopes over an eighth of the joint's
+    /// length: a drawn curve's small unevenness is no fold.
     pub(crate) fn steepness(&self) -> f64 {
+        let step = (self.samples.len() / 16).max(1);
         let highest = self.samples.iter().copied().fold(0.0, f64::max);
-        let steepest = self.samples.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
-        if highest > 0.0 { steepest * self.half_steps / highest } else { 0.0 }
+        let steepest = self.samples.windows(step + 1).map(|w| (w[step] - w[0]).abs()).fold(0.0, f64::max);
+        if highest > 0.0 { steepest * self.half_steps / (step as f64 * highest) } else { 0.0 }
     }
 
     /// Height at x.
