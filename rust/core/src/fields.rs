@@ -109,38 +109,57 @@ fn sum_and_most_along_by_lanes<S: Simd>(_: S, weights: &[f32], gradient: Rows, d
     (sum(sums), largest(most))
 }
 
+/// How one point moves.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Move {
+    /// By the fields.
+    pub by: [f32; 3],
+    /// By a unit of the residual's field.
+    pub residual: [f32; 3],
+}
+
+/// Rows of one patch that every sum of fields needs.
+pub(crate) struct FieldRows {
+    pub directions: [Row; 3],
+    pub volumes: Row,
+    pub lengths: Row,
+    pub bell: Row,
+}
+
 /// What the fields of a patch and the residual's field add to its points.
-#[repr(align(64))]
-pub(crate) struct PatchFields {
+pub(crate) struct FieldSum {
+    count: usize,
     /// Factors on the directions: what needs no axes.
     by_gradient: Row,
     residual_by_gradient: Row,
+    /// Whether some field has axes: the rest stands only then.
+    is_shaped: bool,
     moved: [Row; 3],
     residual: [Row; 3],
 }
 
-impl PatchFields {
-    pub fn new() -> Self {
-        let none = [0.0; PATCH_POINTS];
-        Self { by_gradient: none, residual_by_gradient: none, moved: [none; 3], residual: [none; 3] }
+const NO_ROW: Row = [0.0; PATCH_POINTS];
+
+impl FieldRows {
+    pub const fn new() -> Self {
+        Self { directions: [NO_ROW; 3], volumes: NO_ROW, lengths: NO_ROW, bell: NO_ROW }
+    }
+}
+
+impl FieldSum {
+    pub const fn new() -> Self {
+        let (moved, residual) = ([NO_ROW; 3], [NO_ROW; 3]);
+        Self { count: 0, by_gradient: NO_ROW, residual_by_gradient: NO_ROW, is_shaped: false, moved, residual }
     }
 
-    #[inline]
-    pub fn moved(&self, i: usize) -> [f32; 4] {
-        [self.moved[0][i], self.moved[1][i], self.moved[2][i], 0.0]
-    }
-
-    #[inline]
-    pub fn residual(&self, i: usize) -> [f32; 4] {
-        [self.residual[0][i], self.residual[1][i], self.residual[2][i], 0.0]
-    }
-
-    /// The field of the whole shell.
-    pub fn add_wide(&mut self, inverse_areas: &[f32], field: f64, residual: f64) {
-        let (field, residual) = (field as f32, residual as f32);
+    /// Begins with the field of the whole shell: so much of it, and of it for the residual.
+    pub fn start(&mut self, inverse_areas: &[f32], shell: [f64; 2]) {
+        self.count = inverse_areas.len();
+        self.is_shaped = false;
+        let [field, residual] = shell.map(|s| s as f32);
         for ((moved, rest), area) in self.by_gradient.iter_mut().zip(&mut self.residual_by_gradient).zip(inverse_areas) {
-            *moved += area * field;
-            *rest += area * residual;
+            *moved = area * field;
+            *rest = area * residual;
         }
     }
 
@@ -151,14 +170,33 @@ impl PatchFields {
 
     /// What a joint gives along its axes.
     pub fn add_shaped(&mut self, field: &Field, sign: f32, heights: &[f32], directions: &[Row; 3]) {
+        if !self.is_shaped {
+            self.is_shaped = true;
+            self.moved.iter_mut().chain(&mut self.residual).for_each(|row| row[..self.count].fill(0.0));
+        }
         add_along_axes(field, sign, heights, directions.each_ref().map(|row| &row[..]), &mut self.moved, &mut self.residual);
     }
 
-    /// Ends the sums: adds what needs no axes.
-    pub fn add_along(&mut self, directions: &[Row; 3]) {
-        let gradient = directions.each_ref().map(|row| &row[..]);
-        add_along_gradient(&self.by_gradient, gradient, &mut self.moved);
-        add_along_gradient(&self.residual_by_gradient, gradient, &mut self.residual);
+    /// Adds what needs no axes; `keep` takes what all of it makes of each point's move.
+    pub fn end(&self, directions: &[Row; 3], moves: &mut [Move], keep: &impl Fn(&mut Move, Move)) {
+        dispatch!(Level::new(), simd => self.end_by_lanes(simd, directions, moves, keep));
+    }
+
+    #[inline(always)]
+    fn end_by_lanes<S: Simd>(&self, _: S, directions: &[Row; 3], moves: &mut [Move], keep: &impl Fn(&mut Move, Move)) {
+        let [dx, dy, dz] = directions.each_ref().map(|row| &row[..moves.len()]);
+        let (by, residual_by) = (&self.by_gradient[..moves.len()], &self.residual_by_gradient[..moves.len()]);
+        for (i, old) in moves.iter_mut().enumerate() {
+            let along = |factor: f32| [dx[i] * factor, dy[i] * factor, dz[i] * factor];
+            let mut new = Move { by: along(by[i]), residual: along(residual_by[i]) };
+            if self.is_shaped {
+                for axis in 0..3 {
+                    new.by[axis] += self.moved[axis][i];
+                    new.residual[axis] += self.residual[axis][i];
+                }
+            }
+            keep(old, new);
+        }
     }
 }
 
@@ -210,19 +248,6 @@ fn add_along_axes_by_lanes<S: Simd>(
             let added = (gx[i] * a + gy[i] * b + gz[i] * c) * heights[i];
             moved[i] += added;
             residual[i] += added * sign;
-        }
-    }
-}
-
-fn add_along_gradient(factors: &Row, gradient: Rows, moved: &mut [Row; 3]) {
-    dispatch!(Level::new(), simd => add_along_gradient_by_lanes(simd, factors, gradient, moved));
-}
-
-#[inline(always)]
-fn add_along_gradient_by_lanes<S: Simd>(_: S, factors: &Row, gradient: Rows, moved: &mut [Row; 3]) {
-    for (moved, gradient) in moved.iter_mut().zip(gradient) {
-        for ((moved, gradient), factor) in moved.iter_mut().zip(gradient).zip(factors) {
-            *moved += gradient * factor;
         }
     }
 }

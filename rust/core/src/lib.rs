@@ -1,6 +1,6 @@
 //! Exact volume for skinned meshes.
 //!
-//! Pure geometry: knows neither Python nor Blender. Lengths are in the caller's units; f64 throughout.
+//! Pure geometry: knows neither Python nor Blender. Lengths are in the caller's units; f64, but for what fields add.
 //! `MATH §n` in comments refers to the formulas collected in `docs/ARCHITECTURE.md`, [RHC09] to Rohmer, Hahmann, Cani:
 //! *Exact volume preserving skinning with shape control*, SCA 2009.
 

@@ -268,6 +268,12 @@ impl Palette {
         self.dual.get(index).map_or(DualQuaternion::IDENTITY.rotation, |dual| dual.rotation)
     }
 
+    /// Armature space from that of rest positions.
+    #[inline(always)]
+    pub fn armature_columns(&self) -> &Columns {
+        &self.armature_columns
+    }
+
     /// A rest position in armature space.
     #[inline(always)]
     pub fn in_armature(&self, p: V4) -> V4 {

@@ -8,10 +8,10 @@ use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
 use crate::csr::Csr;
-use crate::lanes::{self, V4, add_scaled, scale, sub, transform};
+use crate::lanes::{self, V4, add_scaled, scale, sub};
 use crate::motions::Motions;
 use crate::sites::Sites;
-use crate::skinning::Mode;
+use crate::skinning::{Columns, Mode};
 use crate::sweeps;
 use crate::volume_loss::{Anatomy, Bodies, Change, Job, Moment, find_job, joints_of, moved_volume};
 
@@ -37,6 +37,8 @@ pub(crate) struct Stages {
 pub(crate) struct Body<'a> {
     pub index: usize,
     pub slots: &'a [u32],
+    /// So many of the slots, the first, are neighbours.
+    pub owned: usize,
     pub sites: &'a Sites,
     /// Rest position per site.
     pub rest: &'a [V4],
@@ -241,25 +243,40 @@ impl Stages {
     fn start(&self, body: Body, rows: &mut Rows) {
         let palette = &body.motions.palette;
         let top = usize::from(self.tops[body.index]);
-        for (i, &slot) in body.slots.iter().enumerate() {
-            let p = body.sites.mean(slot as usize, |site| body.rest[site]);
-            let (place, blend) = if palette.mode == Mode::Linear {
-                (p, transform(palette.alone(top), p))
-            } else {
-                (palette.in_armature(p), palette.rotation(top))
-            };
-            for (row, value) in rows.place.iter_mut().zip(place) {
-                row[i] = value;
-            }
-            for (row, value) in rows.blend.iter_mut().zip(blend) {
-                row[i] = value;
-            }
+        let count = body.slots.len();
+        let at_rest = |slot: &u32| body.sites.mean(*slot as usize, |site| body.rest[site]);
+        let [x, y, z] = rows.place.each_mut().map(|row| &mut row[..count]);
+        let mut put = |i: usize, p: V4| (x[i], y[i], z[i]) = (p[0], p[1], p[2]);
+        // Sites of single points lie like their slots.
+        let own = if self.is_single[body.index] { body.owned } else { 0 };
+        let first = body.sites.of_slot(body.slots[0] as usize).start;
+        for (i, &p) in body.rest[first..][..own].iter().enumerate() {
+            put(i, p);
         }
-        if palette.mode == Mode::DualQuaternion {
-            rows.dual.iter_mut().for_each(|row| row[..body.slots.len()].fill(0.0));
-            let motion = palette.dual(top);
-            add_dual(rows, body.slots.len(), |_| 1.0, motion.dual, motion.has_scale);
+        for (i, slot) in body.slots.iter().enumerate().skip(own) {
+            put(i, at_rest(slot));
         }
+        // As `lanes::transform`, for many points side by side.
+        let moved = |m: &Columns, axis: usize, p: [f64; 3]| m[3][axis] + m[0][axis] * p[0] + m[1][axis] * p[1] + m[2][axis] * p[2];
+        if palette.mode == Mode::Linear {
+            let m = palette.alone(top);
+            for (axis, row) in rows.blend.iter_mut().take(3).enumerate() {
+                for (i, q) in row[..count].iter_mut().enumerate() {
+                    *q = moved(m, axis, [x[i], y[i], z[i]]);
+                }
+            }
+            return;
+        }
+        for i in 0..count {
+            let p = [x[i], y[i], z[i]];
+            [x[i], y[i], z[i]] = std::array::from_fn(|axis| moved(palette.armature_columns(), axis, p));
+        }
+        let motion = palette.dual(top);
+        for (row, value) in rows.blend.iter_mut().zip(motion.rotation) {
+            row[..count].fill(value);
+        }
+        rows.dual.iter_mut().for_each(|row| row[..count].fill(0.0));
+        add_dual(rows, count, |_| 1.0, motion.dual, motion.has_scale);
     }
 
     /// Lets a joint follow `motion` where it followed its parent.

@@ -6,7 +6,7 @@ use glam::{DMat4, DVec3};
 
 use crate::binding::Binding;
 use crate::error::{Error, Result, check_finite};
-use crate::frame::{Pass, Pose, Workspace};
+use crate::frame::{Pose, Workspace};
 use crate::joint::Joint;
 use crate::report::Report;
 use crate::skinning::{Skinning, check_object};
@@ -158,11 +158,9 @@ impl VolumeSkin {
         let (binding, supports, settings) = (&*self.binding, &*self.supports, &**self.joints);
         workspace.skin(binding);
         workspace.measure(binding, supports, settings, pose);
-        workspace.hold(binding, supports, settings, Pass::All);
-        workspace.solve(binding, settings);
-        workspace.apply(binding, supports, settings);
+        workspace.give_back(binding, supports, settings);
         if self.options.solver == Solver::Sequential {
-            workspace.apply_in_order(binding, supports, settings);
+            workspace.give_back_in_order(binding, supports, settings);
         }
         workspace.remove_residual(binding, supports, settings);
         workspace.write_offsets(binding, offsets);

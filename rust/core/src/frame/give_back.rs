@@ -1,0 +1,217 @@
+//! All joints give back at once: sums over the gradient, how much of each field, displacements.
+
+use glam::DVec3;
+
+use super::scratch::{Scratch, with_scratch};
+use super::{JobState, Workspace, ragged};
+use crate::binding::Binding;
+use crate::correction::{Field, Hold};
+use crate::fields::{self, FieldRows, Move};
+use crate::joint::Joint;
+use crate::lanes::{self, V4, add};
+use crate::patches::PATCH_POINTS;
+use crate::split::{Ragged, for_each_piece};
+use crate::supports::Supports;
+use crate::sweeps::{Buffer, GRADIENT_PARTS};
+
+/// Which jobs a sum is for.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Pass<'a> {
+    /// All, with heights sampled anew.
+    All,
+    /// These, with heights as they are.
+    Some(&'a [usize]),
+    /// None: only the field of the whole shell.
+    Shell,
+}
+
+impl Pass<'_> {
+    fn concerns(self, job: usize) -> bool {
+        match self {
+            Self::All => true,
+            Self::Shell => false,
+            Self::Some(jobs) => jobs.contains(&job),
+        }
+    }
+}
+
+impl Workspace {
+    /// Displacements by all fields at once, and the field of the residual: the same with every joint giving, none taking.
+    pub(crate) fn give_back(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
+        self.hold(binding, supports, settings, Pass::All);
+        self.solve(binding, settings);
+        self.add_fields(binding, supports, settings, Pass::All, |old, new| *old = new);
+    }
+
+    /// Reads the gradient and sums what each field could do with it.
+    pub(super) fn hold(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pass: Pass) {
+        let (patches, jobs, sources) = (&binding.patches, &self.jobs, &self.sources);
+        let (places, has_profiles) = (self.skinned.near.each_ref().map(|c| &**c), !self.profiled.is_empty());
+        let profile_offsets = if has_profiles { &supports.weight_offsets } else { &patches.no_rows };
+        for_each_piece(
+            patches.list.len(),
+            (
+                ragged(&mut self.gradient, &patches.slot_offsets),
+                Ragged::new(&mut self.profiled, profile_offsets),
+                Ragged::new(&mut self.holds, supports.jobs_of_patch.offsets()),
+                &mut *self.patches,
+            ),
+            &|index, (gradient, profiled, holds, sums)| {
+                with_scratch(|scratch| {
+                    let patch = &patches.list[index];
+                    let FieldRows { directions, volumes, lengths, bell, .. } = &mut scratch.fields;
+                    let slots = patch.start..patches.slot_offsets[index + 1] as usize;
+                    let mut gradient = gradient.map(|row| row.values);
+                    import_gradient(binding, index, sources, &mut gradient);
+                    let gradient = gradient.map(|row| &*row);
+                    let areas = &binding.inverse_areas[slots.clone()];
+                    fields::directions(gradient, areas, directions, volumes, lengths);
+                    let places = places.map(|row| &row[slots.clone()]);
+                    sums[0].wide_hold = fields::sum_and_most(areas, volumes, lengths).0;
+                    let row_length = slots.len();
+                    for (row, (&job, hold)) in supports.jobs_of_patch.row(index).iter().zip(holds.values).enumerate() {
+                        let state = &jobs[job as usize];
+                        *hold = Hold::default();
+                        if !state.frame.is_active || !pass.concerns(job as usize) {
+                            continue;
+                        }
+                        let at = row * row_length..(row + 1) * row_length;
+                        let weights = &supports.weights[supports.weight_offsets[index] as usize..][at.clone()];
+                        let profiles =
+                            settings[binding.plan.jobs[job as usize].joint as usize].profiles.as_ref().filter(|_| state.frame.has_axes());
+                        let bell = &mut bell[..row_length];
+                        fields::bell_heights(weights, places, &state.frame, bell);
+                        if let (Pass::All, Some(profiles)) = (pass, profiles) {
+                            for (i, profiled) in profiled.values[at.clone()].iter_mut().enumerate() {
+                                let p = places.map(|row| f64::from(row[i]));
+                                *profiled = weights[i] * state.frame.height(profiles, DVec3::from_array(p)) as f32;
+                            }
+                        }
+                        (hold.all, hold.all_most) = fields::sum_and_most(weights, volumes, lengths);
+                        (hold.bell, hold.bell_most) = fields::sum_and_most(bell, volumes, lengths);
+                        if state.frame.has_axes() {
+                            let shape = if profiles.is_some() { &profiled.values[at] } else { &*bell };
+                            for (axis, e) in state.frame.axes.iter().enumerate() {
+                                (hold.along[axis], hold.along_most[axis]) =
+                                    fields::sum_and_most_along(shape, gradient, directions, e.as_vec3().to_array());
+                            }
+                        }
+                    }
+                });
+            },
+        );
+        for (index, job) in self.jobs.iter_mut().enumerate().filter(|(index, _)| pass.concerns(*index)) {
+            debug_assert!(index < binding.plan.jobs.len());
+            job.hold = Hold::default();
+        }
+        for (&job, hold) in supports.jobs_of_patch.values().iter().zip(&self.holds) {
+            if pass.concerns(job as usize) {
+                self.jobs[job as usize].hold.join(hold, binding.area_unit);
+            }
+        }
+        for state in &mut self.components {
+            state.wide_hold = 0.0;
+        }
+        for (patch, sums) in patches.list.iter().zip(&self.patches) {
+            self.components[patch.component as usize].wide_hold += sums.wide_hold * binding.area_unit;
+        }
+    }
+
+    /// How much of each field.
+    fn solve(&mut self, binding: &Binding, settings: &[Joint]) {
+        for (state, job) in self.jobs.iter_mut().zip(&binding.plan.jobs) {
+            let component = &mut self.components[job.component as usize];
+            if !state.frame.is_active {
+                component.wide += state.volume;
+                continue;
+            }
+            let field = Field::new(&state.frame, &state.hold, component.wide_hold, settings[job.joint as usize].shares, state.volume);
+            component.wide += state.volume - field.volume;
+            state.take(field);
+        }
+        for state in &mut self.components {
+            if state.wide_hold > 0.0 {
+                state.wide_field = in_single_precision(state.wide / state.wide_hold);
+                state.wide_residual = in_single_precision((state.floor + state.wide.abs()) / state.wide_hold);
+            }
+        }
+    }
+
+    /// Computes the fields of some jobs in each patch; `keep` takes what they make of each point's move.
+    pub(super) fn add_fields(
+        &mut self,
+        binding: &Binding,
+        supports: &Supports,
+        settings: &[Joint],
+        pass: Pass,
+        keep: impl Fn(&mut Move, Move) + Sync,
+    ) {
+        let (jobs, components, patches) = (&self.jobs, &self.components, &binding.patches);
+        let (gradient, places, profiled) =
+            (self.gradient.each_ref().map(|c| &**c), self.skinned.near.each_ref().map(|c| &**c), &self.profiled);
+        for_each_piece(patches.list.len(), Ragged::new(&mut self.moves, &patches.slot_offsets), &|index, moves| {
+            with_scratch(|scratch| {
+                let patch = &patches.list[index];
+                let slots = patch.start..patches.slot_offsets[index + 1] as usize;
+                let (gradient, places) = (gradient.map(|row| &row[slots.clone()]), places.map(|row| &row[slots.clone()]));
+                let areas = &binding.inverse_areas[slots.clone()];
+                let component = &components[patch.component as usize];
+                let Scratch { fields: FieldRows { directions, volumes, lengths, bell }, sum, .. } = scratch;
+                fields::directions(gradient, areas, directions, volumes, lengths);
+                let is_wide = !matches!(pass, Pass::Some(_));
+                sum.start(areas, if is_wide { [component.wide_field, component.wide_residual] } else { [0.0; 2] });
+                let bell = &mut bell[..slots.len()];
+                for (row, &job) in supports.jobs_of_patch.row(index).iter().enumerate() {
+                    let state = &jobs[job as usize];
+                    if !state.frame.is_active || !pass.concerns(job as usize) {
+                        continue;
+                    }
+                    let sign = if component.is_wide_only { 0.0 } else { state.volume.signum() as f32 };
+                    let at = supports.weight_offsets[index] as usize + row * slots.len();
+                    let at = at..at + slots.len();
+                    let weights = &supports.weights[at.clone()];
+                    fields::bell_heights(weights, places, &state.frame, bell);
+                    sum.add_round(&state.field, sign, weights, bell);
+                    if state.frame.has_axes() {
+                        let has_profiles = settings[binding.plan.jobs[job as usize].joint as usize].profiles.is_some();
+                        sum.add_shaped(&state.field, sign, if has_profiles { &profiled[at] } else { bell }, directions);
+                    }
+                }
+                sum.end(directions, moves.values, &keep);
+            });
+        });
+    }
+}
+
+impl JobState {
+    /// Uses a field, and counts what it does.
+    pub(super) fn take(&mut self, field: Field) {
+        self.regained += field.volume;
+        self.displacement += field.displacement;
+        self.is_capped |= field.is_capped;
+        self.field = field;
+    }
+}
+
+/// The number, or 0 where single precision cannot hold it: a shell flattened to nothing has no field.
+fn in_single_precision(number: f64) -> f64 {
+    if number.abs() < f64::from(f32::MAX) { number } else { 0.0 }
+}
+
+/// Sums the parts of the gradient at the points that a patch shares.
+fn import_gradient(binding: &Binding, index: usize, sources: &[V4], gradient: &mut [&mut [f32]; 3]) {
+    let patches = &binding.patches;
+    let patch = &patches.list[index];
+    let mut sum: Buffer = [lanes::ZERO; PATCH_POINTS];
+    sum[..patch.shared].copy_from_slice(&sources[patches.source_offsets[index] as usize..][..patch.shared]);
+    for import in patches.imports.row(index) {
+        let sum = &mut sum[usize::from(import.owned)];
+        *sum = add(*sum, sources[import.source as usize]);
+    }
+    let per_area = 1.0 / (GRADIENT_PARTS * binding.area_unit);
+    for (axis, row) in gradient.iter_mut().enumerate() {
+        for (g, sum) in row.iter_mut().zip(&sum[..patch.shared]) {
+            *g = (sum[axis] * per_area) as f32;
+        }
+    }
+}

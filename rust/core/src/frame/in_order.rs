@@ -1,0 +1,71 @@
+//! Joint after joint, axis after axis, each on the mesh so far: the order of [RHC09].
+
+use fearless_simd::{Level, dispatch};
+
+use super::give_back::Pass;
+use super::skin::{keep_gradient, sweep_giants};
+use super::{JobState, Workspace, ragged, widened};
+use crate::binding::Binding;
+use crate::correction::Field;
+use crate::joint::{Joint, Shares};
+use crate::lanes::{self, add};
+use crate::patches::PATCH_POINTS;
+use crate::split::{Ragged, for_each_piece};
+use crate::supports::Supports;
+use crate::sweeps::{self, Buffer};
+
+impl Workspace {
+    /// The paper's order: parents first, axis after axis, each on the mesh so far. The residual's field stays as `give_back` made it.
+    pub(crate) fn give_back_in_order(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
+        self.add_fields(binding, supports, settings, Pass::Shell, |old, new| old.by = new.by);
+        for joint in 0..binding.motions.tree.len() {
+            let is_mine = |job: usize, jobs: &[JobState]| binding.plan.jobs[job].joint as usize == joint && jobs[job].frame.is_active;
+            let mine: Vec<usize> = (0..self.jobs.len()).filter(|&job| is_mine(job, &self.jobs)).collect();
+            if mine.is_empty() {
+                continue;
+            }
+            for job in &mine {
+                let state = &mut self.jobs[*job];
+                (state.regained, state.displacement, state.is_capped) = (0.0, 0.0, false);
+            }
+            let shares: Vec<[f64; 4]> =
+                mine.iter().map(|&j| self.jobs[j].frame.ordered_shares(&self.jobs[j].hold, settings[joint].shares)).collect();
+            for step in 0..4 {
+                if shares.iter().all(|s| s[step] == 0.0) {
+                    continue;
+                }
+                self.sweep_moved(binding);
+                self.hold(binding, supports, settings, Pass::Some(&mine));
+                for (&job, shares) in mine.iter().zip(&shares) {
+                    let state = &mut self.jobs[job];
+                    let axes = Shares::Axes(std::array::from_fn(|axis| f64::from(u8::from(axis == step))));
+                    let shell = self.components[binding.plan.jobs[job].component as usize].wide_hold;
+                    state.take(Field::new(&state.frame.for_step(step), &state.hold, shell, axes, state.volume * shares[step]));
+                }
+                self.add_fields(binding, supports, settings, Pass::Some(&mine), |old, new| {
+                    old.by = std::array::from_fn(|i| old.by[i] + new.by[i]);
+                });
+            }
+        }
+    }
+
+    /// Gradient of the surface moved so far.
+    fn sweep_moved(&mut self, binding: &Binding) {
+        let level = Level::new();
+        let patches = &binding.patches;
+        let (skinned, moves) = (&self.skinned, &self.moves);
+        let place = |slot: usize| add(skinned.at(slot), widened(moves[slot].by));
+        let (sources, giant_sources) = self.sources.split_at_mut(patches.patch_source_count());
+        let arrays = (ragged(&mut self.gradient, &patches.slot_offsets), Ragged::new(sources, &patches.source_offsets));
+        for_each_piece(patches.list.len(), arrays, &|index, (gradient, sources)| {
+            let patch = &patches.list[index];
+            let (mut p, mut by_point): (Buffer, Buffer) = ([lanes::ZERO; PATCH_POINTS], [lanes::ZERO; PATCH_POINTS]);
+            for (p, &slot) in p.iter_mut().zip(&patches.local[patch.local.clone()]) {
+                *p = place(slot as usize);
+            }
+            dispatch!(level, simd => sweeps::volume_and_gradient(simd, patches, patch, &p, &mut by_point));
+            keep_gradient(binding, patch, &by_point, gradient.map(|row| row.values), sources.values);
+        });
+        sweep_giants(binding, &mut self.giant_volumes, giant_sources, place);
+    }
+}

@@ -1,0 +1,288 @@
+//! One frame: pose, skin, losses, fields, residual. Buffers are made once; nothing is allocated and nothing is remembered.
+
+mod give_back;
+mod in_order;
+mod offsets;
+mod residual;
+mod scratch;
+mod skin;
+mod targets;
+
+use glam::{DAffine3, DMat4, DVec3};
+
+use crate::binding::Binding;
+use crate::correction::{Field, FieldFrame, Hold};
+use crate::error::{Error, Result};
+use crate::fields::Move;
+use crate::joint::Joint;
+use crate::lanes::{self, V4, add_scaled};
+use crate::motions::Motions;
+use crate::report::Report;
+use crate::skinning::{check_object, check_pose};
+use crate::split::Ragged;
+use crate::stages::ROWS;
+use crate::supports::Supports;
+use crate::volume::VolumeCubic;
+use crate::volume_forms::{FormBuffers, VolumeForms};
+use crate::volume_loss::{Change, Moment};
+
+/// One frame's input.
+#[derive(Debug, Clone, Copy)]
+pub struct Pose<'a> {
+    /// Per bone pose · rest⁻¹, armature space.
+    pub matrices: &'a [DMat4],
+    /// Armature space to object space.
+    pub object_from_armature: DMat4,
+    /// Value of each shape key; missing ones count as 0.
+    pub shape_values: &'a [f64],
+    /// Factor on the target volume.
+    pub target_scale: f64,
+    /// Strength of each bone's joint, in place of its setting.
+    pub strengths: Option<&'a [f64]>,
+}
+
+impl<'a> Pose<'a> {
+    /// A pose with armature and object in one space, no shape keys, and the rest volume as target.
+    pub fn new(matrices: &'a [DMat4]) -> Self {
+        Self { matrices, object_from_armature: DMat4::IDENTITY, shape_values: &[], target_scale: 1.0, strengths: None }
+    }
+}
+
+/// Three coordinates of all slots.
+type Coordinates = [Vec<f32>; 3];
+
+/// Skinned positions of all slots about the palette's origin, each the sum of two: what fields need, and the rest of its
+/// digits, to about 2⁻⁴⁹.
+#[derive(Debug, Clone)]
+struct Places {
+    near: Coordinates,
+    rest: Coordinates,
+}
+
+impl Places {
+    #[inline(always)]
+    fn at(&self, slot: usize) -> V4 {
+        let [x, y, z] = std::array::from_fn(|axis| f64::from(self.near[axis][slot]) + f64::from(self.rest[axis][slot]));
+        [x, y, z, 0.0]
+    }
+}
+
+/// Buffers of one frame.
+#[derive(Debug, Clone)]
+pub struct Workspace {
+    pub(crate) motions: Motions,
+    pub(crate) object: DAffine3,
+    channels: Vec<DAffine3>,
+    /// Per site, with shape keys mixed in; empty without shape keys.
+    rest: Vec<V4>,
+    body_moments: Vec<Moment>,
+    job_moments: Vec<Moment>,
+    changes: Vec<Change>,
+    forms: Option<FormBuffers>,
+    stage_changes: Vec<Change>,
+    giant_positions: Vec<V4>,
+    giant_room: Vec<f64>,
+    skinned: Places,
+    /// In units of the mean area.
+    gradient: Coordinates,
+    /// Per slot.
+    moves: Vec<Move>,
+    /// Gradients as sweeps leave them, per local point of patches and corner of giants.
+    sources: Vec<V4>,
+    /// Weight times profile, as in `Supports::weights`; empty while no joint has profiles.
+    profiled: Vec<f32>,
+    holds: Vec<Hold>,
+    patches: Vec<PatchSums>,
+    giant_volumes: Vec<f64>,
+    jobs: Vec<JobState>,
+    components: Vec<ComponentState>,
+    pub(crate) report: Report,
+}
+
+/// What the sweeps find in one patch.
+#[derive(Debug, Clone, Copy, Default)]
+struct PatchSums {
+    volume: f64,
+    cubic: VolumeCubic,
+    wide_hold: f64,
+    gap_squared: f64,
+}
+
+/// One joint in one component, in one frame.
+#[derive(Debug, Clone, Copy, Default)]
+struct JobState {
+    /// To be given back.
+    volume: f64,
+    frame: FieldFrame,
+    hold: Hold,
+    field: Field,
+    /// Given back by all fields of the job, and the bound on what they move.
+    regained: f64,
+    displacement: f64,
+    is_capped: bool,
+}
+
+/// One component in one frame, armature space.
+#[derive(Debug, Clone, Copy, Default)]
+struct ComponentState {
+    rest: f64,
+    skinned: f64,
+    target: f64,
+    corrected: f64,
+    cubic: VolumeCubic,
+    /// Σ |volume to give back| over joints, and the floor under it.
+    spread: f64,
+    floor: f64,
+    /// Volume for the field of the whole shell, its hold, its coefficient, and that of the residual's field.
+    wide: f64,
+    wide_hold: f64,
+    wide_field: f64,
+    wide_residual: f64,
+    /// Whether the residual is left to the whole shell.
+    is_wide_only: bool,
+    /// Step along the residual's field; NaN where nothing may move.
+    step: f64,
+}
+
+impl Workspace {
+    pub(crate) fn new(binding: &Binding, supports: &Supports, settings: &[Joint]) -> Self {
+        let slots = binding.patches.slot_count();
+        let jobs = binding.plan.jobs.len();
+        let coordinates = || std::array::from_fn(|_| vec![0.0; slots]);
+        let forms = binding.plan.forms.as_ref().map(VolumeForms::buffers);
+        let stage_changes = vec![Change::default(); if forms.is_some() { 0 } else { binding.plan.stages.change_count() }];
+        let giants = &binding.patches.giants;
+        let giant_points = giants.iter().map(|g| g.corners.len()).max().unwrap_or(0);
+        let has_profiles = settings.iter().any(|joint| joint.profiles.is_some());
+        let mut workspace = Self {
+            motions: binding.motions.clone(),
+            object: DAffine3::IDENTITY,
+            channels: vec![DAffine3::IDENTITY; binding.bone_count],
+            rest: if binding.shape_deltas.is_empty() { Vec::new() } else { binding.sites.rest.clone() },
+            body_moments: binding.plan.bodies.rest_moments.clone(),
+            job_moments: vec![(0.0, DVec3::ZERO); jobs],
+            changes: vec![Change::default(); jobs],
+            forms,
+            stage_changes,
+            giant_positions: vec![lanes::ZERO; giant_points],
+            giant_room: vec![0.0; ROWS * giant_points],
+            skinned: Places { near: coordinates(), rest: coordinates() },
+            gradient: coordinates(),
+            moves: vec![Move::default(); slots],
+            sources: vec![lanes::ZERO; binding.patches.source_count()],
+            profiled: vec![0.0; if has_profiles { supports.weights.len() } else { 0 }],
+            holds: vec![Hold::default(); supports.jobs_of_patch.values().len()],
+            patches: vec![PatchSums::default(); binding.patches.list.len()],
+            giant_volumes: vec![0.0; giants.len()],
+            jobs: vec![JobState::default(); jobs],
+            components: vec![ComponentState::default(); binding.components.len()],
+            report: Report::new(binding.components.len(), binding.motions.tree.len()),
+        };
+        binding.plan.bodies.rigid_moments(&workspace.body_moments, &mut workspace.job_moments);
+        workspace
+    }
+
+    /// Heap memory that grows with the mesh.
+    pub fn memory_bytes(&self) -> usize {
+        let coordinates = [&self.skinned.near, &self.skinned.rest, &self.gradient];
+        let vectors = [&self.rest, &self.giant_positions, &self.sources];
+        coordinates.iter().flat_map(|c| c.iter()).map(|c| size_of_val(&**c)).sum::<usize>()
+            + vectors.iter().map(|v| size_of_val(&***v)).sum::<usize>()
+            + size_of_val(&*self.moves)
+            + size_of_val(&*self.profiled)
+            + size_of_val(&*self.holds)
+            + size_of_val(&*self.patches)
+            + size_of_val(&*self.stage_changes)
+    }
+
+    /// Checks and takes a pose.
+    pub(crate) fn take(&mut self, binding: &Binding, pose: &Pose, keep_bone_scale: bool) -> Result<()> {
+        if let Some(strengths) = pose.strengths {
+            if strengths.len() != binding.bone_count {
+                return Err(Error::Length { what: "strengths", found: strengths.len(), needed: binding.bone_count });
+            }
+            if let Some(&found) = strengths.iter().find(|s| !(**s >= 0.0 && s.is_finite())) {
+                return Err(Error::Value { what: "strengths", found, needed: "numbers of 0 or more" });
+            }
+        }
+        if !(pose.target_scale > 0.0 && pose.target_scale.is_finite()) {
+            return Err(Error::Value { what: "target_scale", found: pose.target_scale, needed: "a number above 0" });
+        }
+        if pose.shape_values.len() > binding.shape_deltas.len() {
+            return Err(Error::Length { what: "shape_values", found: pose.shape_values.len(), needed: binding.shape_deltas.len() });
+        }
+        if let Some(row) = pose.shape_values.iter().position(|v| !v.is_finite()) {
+            return Err(Error::NotFinite { what: "shape_values", row });
+        }
+        check_pose(pose.matrices, &mut self.channels)?;
+        self.object = check_object(&pose.object_from_armature)?;
+        let armature_from_rest = self.object.inverse() * DAffine3::from_translation(binding.rest_centre);
+        // Near the mean of the skinned points: sums about it keep their digits far from the world's origin.
+        let mut origin = DVec3::ZERO;
+        let mut total = 0.0;
+        for (joint, &(mass, centre)) in binding.masses.iter().enumerate() {
+            let bone = binding.motions.tree.bones.get(joint);
+            let channel = bone.map_or(DAffine3::IDENTITY, |&bone| self.channels[bone as usize]);
+            origin += (channel * armature_from_rest).transform_point3(centre) * mass;
+            total += mass;
+        }
+        if total > 0.0 {
+            origin /= total;
+        }
+        self.motions.set(&self.channels, armature_from_rest, origin, binding.size, keep_bone_scale);
+        if !self.rest.is_empty() {
+            binding.mix_shapes(pose.shape_values, &mut self.rest);
+        }
+        Ok(())
+    }
+
+    /// Corrected − skinned of a vertex in double precision, armature space.
+    pub(crate) fn displacement(&self, slot: u32, component: u32) -> DVec3 {
+        self.moves.get(slot as usize).map_or(DVec3::ZERO, |point| {
+            let step = self.components[component as usize].step;
+            if step.is_nan() { DVec3::ZERO } else { lanes::to(add_scaled(widened(point.by), widened(point.residual), step)) }
+        })
+    }
+
+    /// Skinned position of a site in armature space.
+    pub(crate) fn skinned_site(&self, binding: &Binding, site: usize) -> DVec3 {
+        let rest = if self.rest.is_empty() { &binding.sites.rest } else { &self.rest };
+        lanes::to(self.motions.palette.skin(&binding.sites.influences, site, rest[site])) + self.motions.palette.origin
+    }
+
+    /// Figures of the frame, in object space.
+    pub(crate) fn fill_report(&mut self, binding: &Binding) {
+        let object_from_armature = self.object.matrix3.determinant();
+        let report = &mut self.report;
+        for (index, state) in self.components.iter().enumerate() {
+            report.skinned_volumes[index] = state.skinned * object_from_armature;
+            report.target_volumes[index] = state.target * object_from_armature;
+            report.corrected_volumes[index] = state.corrected * object_from_armature;
+        }
+        report.joint_losses.fill(0.0);
+        report.joint_regained.fill(0.0);
+        report.joint_displacements.fill(0.0);
+        report.joint_is_capped.fill(false);
+        for (index, job) in binding.plan.jobs.iter().enumerate() {
+            let (joint, state) = (job.joint as usize, &self.jobs[index]);
+            // Inside-out components lose negative volume: figures are those of their flesh.
+            let sign = self.components[job.component as usize].rest.signum() * object_from_armature.abs();
+            report.joint_losses[joint] += self.changes[index].loss * sign;
+            report.joint_regained[joint] += state.regained * sign;
+            report.joint_displacements[joint] = report.joint_displacements[joint].max(state.displacement);
+            report.joint_is_capped[joint] |= state.is_capped;
+        }
+        let gap = self.patches.iter().map(|p| p.gap_squared).fold(0.0, f64::max).sqrt();
+        report.seam_gap = gap * object_from_armature.abs().cbrt();
+    }
+}
+
+fn ragged<'a>(coordinates: &'a mut Coordinates, offsets: &'a [u32]) -> [Ragged<'a, f32>; 3] {
+    coordinates.each_mut().map(|row| Ragged::new(row, offsets))
+}
+
+/// (x, y, z, 0) in double precision.
+#[inline(always)]
+fn widened(v: [f32; 3]) -> V4 {
+    [f64::from(v[0]), f64::from(v[1]), f64::from(v[2]), 0.0]
+}

@@ -1,0 +1,57 @@
+//! What leaves the engine: offsets of vertices, in object space.
+
+use fearless_simd::{Level, Simd, dispatch};
+use rayon::prelude::*;
+
+use super::Workspace;
+use crate::binding::Binding;
+use crate::fields::Move;
+use crate::skinning::{CHUNK, columns};
+
+impl Workspace {
+    /// Corrected − skinned of every vertex, object space.
+    pub(crate) fn write_offsets(&mut self, binding: &Binding, offsets: &mut [[f32; 3]]) {
+        let to_object = [0, 1, 2].map(|column| columns(&self.object)[column].map(|c| c as f32));
+        let (moves, components) = (&self.moves, &self.components);
+        let vertices = binding.slot_of_vertex.par_chunks(CHUNK).zip(binding.component_of_vertex.par_chunks(CHUNK));
+        let offset_chunks = offsets.par_chunks_mut(CHUNK).with_min_len(3);
+        let level = Level::new();
+        // Most characters are one shell: nothing to look up then.
+        let only_step = if let [state] = &**components { Some(state.step as f32) } else { None };
+        let step = |component: u32| components[component as usize].step as f32;
+        let largest_of = offset_chunks.zip(vertices).map(|(offsets, (slots, of_vertex))| match only_step {
+            Some(step) => dispatch!(level, simd => write_some(simd, moves, slots, of_vertex, |_| step, &to_object, offsets)),
+            None => dispatch!(level, simd => write_some(simd, moves, slots, of_vertex, step, &to_object, offsets)),
+        });
+        let largest_squared = largest_of.reduce(|| 0.0, f32::max);
+        self.report.max_displacement = f64::from(largest_squared).sqrt();
+    }
+}
+
+/// Offsets of some vertices; the largest squared length.
+#[inline(always)]
+fn write_some<S: Simd>(
+    _: S,
+    moves: &[Move],
+    slots: &[u32],
+    of_vertex: &[u32],
+    step: impl Fn(u32) -> f32,
+    to_object: &[[f32; 4]; 3],
+    offsets: &mut [[f32; 3]],
+) -> f32 {
+    let [x, y, z] = to_object;
+    let mut largest = 0.0;
+    for ((offset, &slot), &component) in offsets.iter_mut().zip(slots).zip(of_vertex) {
+        let point = moves.get(slot as usize).map(|point| (point, step(component))).filter(|(_, step)| !step.is_nan());
+        let Some((Move { by, residual }, step)) = point else {
+            *offset = [0.0; 3];
+            continue;
+        };
+        let u: [f32; 3] = std::array::from_fn(|i| by[i] + residual[i] * step);
+        let u: [f32; 3] = std::array::from_fn(|i| x[i] * u[0] + y[i] * u[1] + z[i] * u[2]);
+        let squared = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+        largest = if squared > largest { squared } else { largest };
+        *offset = u;
+    }
+    largest
+}

@@ -1,0 +1,96 @@
+//! What the fields leave: removed by the exact cubic of the volume along one more field.
+
+use fearless_simd::{Level, Simd, dispatch};
+
+use super::give_back::Pass;
+use super::scratch::{Scratch, with_scratch};
+use super::{Places, Workspace, widened};
+use crate::binding::Binding;
+use crate::fields::Move;
+use crate::joint::Joint;
+use crate::lanes::add;
+use crate::patches::Patches;
+use crate::split::for_each_piece;
+use crate::supports::Supports;
+use crate::sweeps::{self, polygon_cubic};
+use crate::volume::VolumeCubic;
+
+/// A component this near its target, relatively, has it: what is left is rounding.
+const RESIDUAL_DONE: f64 = 1e-14;
+/// A residual field that must be scaled beyond this has lost its meaning; the whole shell then takes the residual.
+const RESIDUAL_STEP_MAX: f64 = 1.0;
+
+impl Workspace {
+    /// Steps along the residual's field until every component has its target, by the exact cubic.
+    pub(crate) fn remove_residual(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
+        self.find_steps(binding);
+        if self.components.iter().any(|state| state.is_wide_only) {
+            // Fields that fight each other, or far too little skin: the whole shell takes what is left.
+            self.add_fields(binding, supports, settings, Pass::All, |old, new| old.residual = new.residual);
+            self.find_steps(binding);
+        }
+    }
+
+    fn find_steps(&mut self, binding: &Binding) {
+        let level = Level::new();
+        let patches = &binding.patches;
+        let (skinned, moves) = (&self.skinned, &self.moves);
+        for_each_piece(patches.list.len(), &mut *self.patches, &|index, sums| {
+            sums[0].cubic = with_scratch(|scratch| dispatch!(level, simd => cubic_of_patch(simd, patches, index, skinned, moves, scratch)));
+        });
+        for state in &mut self.components {
+            state.cubic = VolumeCubic::default();
+        }
+        for (patch, sums) in patches.list.iter().zip(&self.patches) {
+            self.components[patch.component as usize].cubic.join(&sums.cubic);
+        }
+        for giant in &patches.giants {
+            let corners = giant.corners.iter().map(|&slot| {
+                let slot = slot as usize;
+                (add(skinned.at(slot), widened(moves[slot].by)), widened(moves[slot].residual))
+            });
+            self.components[giant.component as usize].cubic.join(&polygon_cubic(corners));
+        }
+        for state in &mut self.components {
+            let gap = state.target - state.cubic.0[0];
+            let is_near = gap.abs() <= RESIDUAL_DONE * state.target.abs();
+            let root = if is_near { Some(0.0) } else { state.cubic.root_nearest_zero(state.target) };
+            match root.filter(|step| state.is_wide_only || step.abs() <= RESIDUAL_STEP_MAX) {
+                Some(step) => state.step = step,
+                None if !state.is_wide_only => state.is_wide_only = true,
+                None if state.cubic.0[0].is_finite() => state.step = 0.0,
+                // Beyond all numbers: as skinned.
+                None => state.step = f64::NAN,
+            }
+            state.corrected = if state.step == 0.0 { state.cubic.0[0] } else { state.cubic.at(state.step) };
+            if state.step.is_nan() {
+                state.corrected = state.skinned;
+            }
+        }
+    }
+}
+
+/// V(P + tR) of a patch, P the points as moved so far and R the residual's field.
+#[inline(always)]
+fn cubic_of_patch<S: Simd>(
+    simd: S,
+    patches: &Patches,
+    index: usize,
+    skinned: &Places,
+    moves: &[Move],
+    scratch: &mut Scratch,
+) -> VolumeCubic {
+    let patch = &patches.list[index];
+    let Scratch { first: p, second: u, .. } = scratch;
+    let own = patch.start..patch.start + patch.owned;
+    let [near, rest] = [&skinned.near, &skinned.rest].map(|rows| rows.each_ref().map(|row| &row[own.clone()]));
+    for (i, point) in moves[own].iter().enumerate() {
+        let at = |axis: usize| f64::from(near[axis][i]) + f64::from(rest[axis][i]);
+        (p[i], u[i]) = (add([at(0), at(1), at(2), 0.0], widened(point.by)), widened(point.residual));
+    }
+    for (i, &slot) in patches.local[patch.local.clone()].iter().enumerate().skip(patch.owned) {
+        let point = moves[slot as usize];
+        (p[i], u[i]) = (add(skinned.at(slot as usize), widened(point.by)), widened(point.residual));
+    }
+    sweeps::volume_cubic(simd, patches, patch, p, u)
+}
