@@ -28,6 +28,20 @@ pub enum Error {
     JointTwice { bone: usize },
     #[error("component {component} is to gain {volume:e} but gamma lets nothing move its volume: widen gamma or turn the axes")]
     NothingToMove { component: usize, volume: f64 },
+    #[error("{what}: found {found}, a spine needs at least 2: add a point")]
+    SpinePoints { what: &'static str, found: usize },
+    #[error("points: row {row} lies where the one before it lies: remove one of them, a spine needs points apart")]
+    Coincident { row: usize },
+    #[error("parameters: row {row} is not above the one before: need parameters that rise")]
+    Parameters { row: usize },
+    #[error("a NURBS curve of {found} points and order {order} has no span: add points, lower the order, or set Endpoint")]
+    NoSpan { found: usize, order: usize },
+    #[error("spine was not made from points: make its pose as it was made, from the posed curve")]
+    NotPoseable,
+    #[error("cannot trim to {start} … {end}: need a start below the end, both within {first} … {last}")]
+    Trim { start: f64, end: f64, first: f64, last: f64 },
+    #[error("posed spine has {found} stations, rest spine has {bound}: make it with as many points, or match by length")]
+    StationCount { found: usize, bound: usize },
 }
 
 /// Result of a call that checks its input.

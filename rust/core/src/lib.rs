@@ -21,6 +21,7 @@ mod report;
 mod sites;
 mod skeleton;
 mod skinning;
+mod spine;
 mod split;
 mod stages;
 mod supports;
@@ -42,6 +43,10 @@ pub use profile::Profile;
 pub use report::Report;
 pub use skeleton::Skeleton;
 pub use skinning::{Mode, Skinning};
+pub use spine::{
+    Blend, ClosestPoint, Flesh, FleshFrame, Fleshing, FleshingReport, Kind, KnotFlags, Match, Method, Parameters, Resolution, Spine, Twist,
+    Validity,
+};
 pub use topology::{Component, Status, Topology};
 pub use volume::VolumeCubic;
 pub use volume_skin::{Options, Solver, VolumeSkin};

@@ -1,0 +1,124 @@
+//! One frame of fleshing: every bound point in closed form, eight at a time.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch, f64x8};
+use rayon::prelude::*;
+
+use crate::spine::cells::{Cell, CellAt};
+use crate::spine::fleshing::Bound;
+use crate::spine::matching::Matching;
+use crate::spine::planar::Blend;
+use crate::spine::real::{LANES, Real, sine_cosine};
+use crate::spine::twist::TwistCurve;
+
+/// Blocks of one parallel task.
+const TASK: usize = 64;
+/// Flesh grows thicker at most by this factor where the spine is compressed: at a cusp it would be infinite.
+pub(crate) const SWELL_MAX: f64 = 4.0;
+
+/// Eight points, one to a lane.
+pub(crate) type Lanes = [f64; LANES];
+
+/// Eight results: coordinates, and what becomes 1 where a point was held at the border of the valid space.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Block {
+    pub position: [Lanes; 3],
+    pub clamped: Lanes,
+    /// k·p of the image: 1 at the border.
+    pub towards_centre: Lanes,
+}
+
+/// What a frame is made from.
+pub(crate) struct Flow<'a> {
+    pub bound: &'a Bound,
+    pub blend: &'a Blend,
+    pub cells: &'a [Cell],
+    pub matching: &'a Matching<'a>,
+    pub twist: Option<&'a TwistCurve>,
+    pub stretch: bool,
+}
+
+/// Where eight points go on the posed spine.
+struct Target {
+    cells: [u32; LANES],
+    u: Lanes,
+    /// Derivative of the posed parameter by the rest one, per rest length.
+    rate: Lanes,
+    twist: Lanes,
+}
+
+impl Flow<'_> {
+    /// All blocks of the bound points.
+    pub fn run(&self, blocks: &mut [Block]) {
+        let level = Level::new();
+        blocks.par_chunks_mut(TASK).enumerate().for_each(|(task, blocks)| {
+            dispatch!(level, simd => self.run_task(simd, task * TASK, blocks));
+        });
+    }
+
+    #[inline(always)]
+    fn run_task<S: Simd>(&self, simd: S, first: usize, blocks: &mut [Block]) {
+        let mut loaded = (self.bound.cells[first][0], CellAt::splat(simd, &self.cells[self.bound.cells[first][0] as usize]));
+        let mut hint = self.cells.len() / 2;
+        for (i, block) in blocks.iter_mut().enumerate() {
+            let target = self.target(first + i, &mut hint);
+            let cell = target.cells[0];
+            if target.cells.iter().all(|&c| c == cell) {
+                if loaded.0 != cell {
+                    loaded = (cell, CellAt::splat(simd, &self.cells[cell as usize]));
+                }
+                *block = self.images(simd, first + i, &target, &loaded.1);
+            } else {
+                *block = self.images(simd, first + i, &target, &CellAt::gather(simd, self.cells, target.cells));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn target(&self, block: usize, hint: &mut usize) -> Target {
+        let (cells, u, per_speed) = (&self.bound.cells[block], &self.bound.u[block], &self.bound.per_speed[block]);
+        let mut target = Target { cells: *cells, u: *u, rate: *per_speed, twist: [0.0; LANES] };
+        if !self.matching.is_same() {
+            for lane in 0..LANES {
+                let ((cell, u), rate) = self.matching.posed_place((cells[lane] as usize, u[lane]), *hint);
+                *hint = cell;
+                (target.cells[lane], target.u[lane], target.rate[lane]) = (cell as u32, u, rate * per_speed[lane]);
+            }
+        }
+        if let Some(twist) = self.twist {
+            target.twist = std::array::from_fn(|lane| twist.at(self.bound.parameter[block][lane]));
+        }
+        target
+    }
+
+    #[inline(always)]
+    fn images<S: Simd>(&self, simd: S, block: usize, target: &Target, cell: &CellAt<f64x8<S>>) -> Block {
+        let lanes = |numbers: &Lanes| f64x8::simd_from(simd, *numbers);
+        let station = cell.at(lanes(&target.u));
+        let mut clamped = f64x8::splat(simd, 0.0);
+        let q = self.bound.q[block].each_ref().map(lanes);
+        let thinned = if self.stretch { thin(q, station.speed * lanes(&target.rate), &mut clamped) } else { q };
+        let turned = turn(thinned, station.angle + lanes(&target.twist));
+        let p = self.blend.bend(turned, station.curvature, &mut clamped);
+        let image = station.position + station.normal * p[0] + station.binormal * p[1];
+        let towards_centre = station.curvature[0] * p[0] + station.curvature[1] * p[1];
+        Block { position: [image.x.into(), image.y.into(), image.z.into()], clamped: clamped.into(), towards_centre: towards_centre.into() }
+    }
+}
+
+/// q / √ρ, ρ being how much longer the spine has become.
+#[inline(always)]
+pub(crate) fn thin<R: Real>(q: [R; 2], growth: R, clamped: &mut R) -> [R; 2] {
+    let c = |value| growth.constant(value);
+    let least = c(1.0 / (SWELL_MAX * SWELL_MAX));
+    *clamped = growth.if_below(least, c(1.0), *clamped);
+    let factor = c(1.0) / growth.max(least).sqrt();
+    [q[0] * factor, q[1] * factor]
+}
+
+/// q turned from the first axis to the second.
+#[inline(always)]
+pub(crate) fn turn<R: Real>(q: [R; 2], angle: R) -> [R; 2] {
+    let (sine, cosine) = sine_cosine(angle);
+    [q[0] * cosine - q[1] * sine, q[0] * sine + q[1] * cosine]
+}

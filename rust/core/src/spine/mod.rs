@@ -1,0 +1,26 @@
+//! Fleshing: bends points along a spine, every chunk keeping its volume [ZR13, MATH §5].
+
+mod arc_length;
+mod b_spline;
+mod cells;
+mod closest;
+mod curve;
+mod fleshing;
+mod flow;
+mod given;
+mod interpolation;
+mod matching;
+mod planar;
+mod polynomial;
+mod quintic;
+mod real;
+mod twist;
+mod validity;
+
+pub use b_spline::KnotFlags;
+pub use curve::{ClosestPoint, Method, Parameters, Resolution, Spine};
+pub use fleshing::{Flesh, FleshFrame, Fleshing, FleshingReport};
+pub use matching::Match;
+pub use planar::{Blend, Kind};
+pub use twist::Twist;
+pub use validity::Validity;
