@@ -71,6 +71,26 @@ pub fn numbers(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<f64>> {
     read(value, what, "float64", "(N,)", |shape| shape.len() == 1)
 }
 
+pub fn vector(value: &Bound<'_, PyAny>, what: &str) -> PyResult<DVec3> {
+    let flat: Vec<f64> = read(value, what, "float64", "(3,)", |shape| shape == [3])?;
+    match *flat {
+        [x, y, z] => Ok(DVec3::new(x, y, z)),
+        _ => Err(TurgorError::new_err(format!("{what}: need float64 (3,), got {}", describe(value)))),
+    }
+}
+
+/// Hands the rows of a float32 array to `write`, in place.
+pub fn with_rows_mut<T>(array: &Bound<'_, PyAny>, what: &str, write: impl FnOnce(&mut [[f32; 3]]) -> PyResult<T>) -> PyResult<T> {
+    let needed = format!("{what}: need a writable C-contiguous float32 array (N, 3)");
+    let array = array.cast::<PyArray2<f32>>().map_err(|_| TurgorError::new_err(format!("{needed}, got {}", array.get_type())))?;
+    if array.shape().get(1) != Some(&3) || !array.is_c_contiguous() {
+        return Err(TurgorError::new_err(format!("{needed}, got shape {:?}", array.shape())));
+    }
+    let mut view = array.try_readwrite().map_err(|error| TurgorError::new_err(format!("{needed}: {error}")))?;
+    let (rows, _) = view.as_slice_mut()?.as_chunks_mut::<3>();
+    write(rows)
+}
+
 pub fn indices(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<i32>> {
     read(value, what, "int32", "(N,)", |shape| shape.len() == 1)
 }

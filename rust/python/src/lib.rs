@@ -1,9 +1,11 @@
 //! The Python border of `turgor`: checks arrays, views them, detaches from the interpreter, wraps results. No mathematics.
 
 mod arrays;
+mod fleshing;
 mod joint;
 mod mesh;
 mod skinning;
+mod spine;
 mod volume_skin;
 
 use pyo3::prelude::*;
@@ -24,11 +26,15 @@ mod _native {
     #[pymodule_export]
     use super::TurgorError;
     #[pymodule_export]
+    use super::fleshing::{Fleshing, FleshingReport, Validity, flesh};
+    #[pymodule_export]
     use super::joint::Joint;
     #[pymodule_export]
     use super::mesh::{Component, Mesh, correct};
     #[pymodule_export]
     use super::skinning::{Skeleton, Skinning};
+    #[pymodule_export]
+    use super::spine::{ClosestPoints, Spine, SpineFrames};
     #[pymodule_export]
     use super::volume_skin::{Frame, Report, VolumeSkin};
 

@@ -7,34 +7,54 @@ Bind once, deform each frame::
     skin = turgor.Skinning(rig, weight_offsets, weight_bones, weights)
     body = turgor.VolumeSkin(mesh, skin, [turgor.presets.muscle(bone=3)])
     frame = body.deform(pose_matrices)
+
+Or bend points along a spine, every chunk of flesh keeping its volume::
+
+    spine = turgor.Spine(rest_points)
+    flesh = turgor.Fleshing(spine, positions, "radial")
+    fleshed = flesh.deform(spine.posed(posed_points), twist=0.5)
 """
 
 from . import presets
 from ._native import (
+    ClosestPoints,
     Component,
+    Fleshing,
+    FleshingReport,
     Frame,
     Joint,
     Mesh,
     Report,
     Skeleton,
     Skinning,
+    Spine,
+    SpineFrames,
     TurgorError,
+    Validity,
     VolumeSkin,
     __version__,
     correct,
+    flesh,
 )
 
 __all__ = [
+    "ClosestPoints",
     "Component",
+    "Fleshing",
+    "FleshingReport",
     "Frame",
     "Joint",
     "Mesh",
     "Report",
     "Skeleton",
     "Skinning",
+    "Spine",
+    "SpineFrames",
     "TurgorError",
+    "Validity",
     "VolumeSkin",
     "__version__",
     "correct",
+    "flesh",
     "presets",
 ]

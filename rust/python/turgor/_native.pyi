@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 __version__: str
 
 Shares = tuple[float, float, float] | Literal["auto"]
+Kind = Literal["radial", "normal", "binormal"]
+Match = Literal["stations", "relative_length", "length"]
 
 class TurgorError(ValueError):
     """What was found, what is needed, what to do."""
@@ -307,3 +309,306 @@ def correct(
     frame: (3, 3) rows e0, e1, e2, need not be orthogonal; None: frame-free, along the volume gradient.
     Raises TurgorError where gamma leaves a component with a volume to add nothing to move.
     """
+
+@final
+class Spine:
+    """The open curve that drives fleshing: quintic pieces, four times differentiable, rigid beyond its ends (MATH 5).
+
+    points: (n, 3) stations, object space; at least 2, no two neighbours at one place.
+    method: "spline" passes through the points and is straight at its ends. "polynomial" [ZR13] is one through all
+        points, "b_spline" [ZR13] is steered by them: these are bent at their ends, a run-out of an eighth of their
+        length straightens them, and they are rigid beyond it.
+    parameters: (n,) rising parameter of each point, "chord" (steps are distances; None too) or "centripetal" (roots of
+        distances).
+    normal: (3,) direction of the first axis of the frames at the first point; what is along the tangent is taken off.
+        None: any, the same for the same points.
+
+    Raises TurgorError for one point, coincident neighbours, points that are not finite, parameters that do not rise.
+    """
+
+    def __new__(
+        cls,
+        points: ArrayLike,
+        method: Literal["spline", "polynomial", "b_spline"] = "spline",
+        *,
+        parameters: Literal["chord", "centripetal"] | ArrayLike | None = None,
+        normal: ArrayLike | None = None,
+    ) -> Spine: ...
+    @staticmethod
+    def from_bezier(
+        points: ArrayLike,
+        left_handles: ArrayLike,
+        right_handles: ArrayLike,
+        *,
+        cyclic: bool = False,
+        tolerance: float = 1e-3,
+        resolution: int | None = None,
+        normal: ArrayLike | None = None,
+    ) -> Spine:
+        """Blender's Bezier spline: (n, 3) control points and handles; each point is a station.
+
+        Such curves have corners of curvature at which a body would crease: a smooth spline through samples of the curve
+        stands for it. resolution: samples per segment, 1 to 64; None: the fewest that keep `deviation` below
+        tolerance × length. Curves that move keep the resolution of their rest, or bodies jump between two frames.
+        Raises TurgorError for cyclic curves and as `Spine`.
+        """
+    @staticmethod
+    def from_nurbs(
+        points: ArrayLike,
+        weights: ArrayLike | None = None,
+        *,
+        order: int = 4,
+        use_endpoint: bool = True,
+        use_bezier: bool = False,
+        cyclic: bool = False,
+        tolerance: float = 1e-3,
+        resolution: int | None = None,
+        normal: ArrayLike | None = None,
+    ) -> Spine:
+        """Blender's NURBS spline: (n, 3) control points, (n,) weights; order and flags as Blender has them.
+
+        Stations are the ends of its spans. Further arguments and errors as `from_bezier`.
+        """
+    @staticmethod
+    def from_poly(
+        points: ArrayLike,
+        *,
+        cyclic: bool = False,
+        resolution: int = 1,
+        normal: ArrayLike | None = None,
+    ) -> Spine:
+        """Blender's poly spline, (n, 3) points, its corners rounded: resolution 1 passes smoothly through the points.
+
+        More samples per segment follow it closer and turn its corners sharper. Errors as `from_bezier`.
+        """
+    def posed(self, points: ArrayLike, *, normal: ArrayLike | None = None) -> Spine:
+        """The spine of other points with this one's method and parameters, station by station: a pose of it.
+
+        points: (n, 3), as many as this spine was made from. normal: as in `Spine`; None: this spine's, turned by the
+        least rotation that turns its tangent there. Raises TurgorError for curves of Blender: make them anew.
+        """
+    def trimmed(self, start: float, end: float) -> Spine:
+        """The part between two parameters, straight at its ends and rigid beyond: limits of the spine's reach.
+
+        Trimmed alike, a rest spine and a pose of it keep matching stations. It deviates from this one near its ends.
+        Raises TurgorError unless start < end, both within `parameter_range`.
+        """
+    @property
+    def station_count(self) -> int: ...
+    @property
+    def station_parameters(self) -> NDArray[np.float64]:
+        """(n,) parameter of each station."""
+    @property
+    def parameter_range(self) -> tuple[float, float]:
+        """Parameters of the first and the last station; the frames are rigid beyond them and their run-outs."""
+    @property
+    def station_lengths(self) -> NDArray[np.float64]:
+        """(n,) length of the curve from the first station to each."""
+    @property
+    def length(self) -> float:
+        """Length from the first to the last station."""
+    @property
+    def resolution(self) -> int:
+        """Samples per segment that the curve was made from; 1 where it passes through the points alone."""
+    @property
+    def deviation(self) -> float:
+        """Largest distance of the given curve, at places between the samples, from this one; 0 where it is the same."""
+    @property
+    def fold_count(self) -> int:
+        """Places where the tangent turns by more than a right angle at once: it folds back, no body can follow."""
+    def evaluate(self, parameters: ArrayLike) -> SpineFrames:
+        """Points and rotation-minimising frames at (M,) parameters, also beyond the ends."""
+    def parameters_at(self, arc_lengths: ArrayLike) -> NDArray[np.float64]:
+        """(M,) parameters at lengths along the curve from the first station; negative ones are before it."""
+    def arc_lengths_at(self, parameters: ArrayLike) -> NDArray[np.float64]:
+        """(M,) lengths along the curve from the first station to parameters."""
+    def closest(self, points: ArrayLike) -> ClosestPoints:
+        """The closest point of the curve to each of (M, 3) points, exact; beyond an end, on its tangent."""
+
+@final
+class SpineFrames:
+    """Points of a spine with their frames; M rows each."""
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """(M, 3)"""
+    @property
+    def tangents(self) -> NDArray[np.float64]:
+        """(M, 3) unit vectors."""
+    @property
+    def normals(self) -> NDArray[np.float64]:
+        """(M, 3) unit vectors: first axis of the normal plane, rotation-minimising."""
+    @property
+    def binormals(self) -> NDArray[np.float64]:
+        """(M, 3) tangent × normal."""
+    @property
+    def curvatures(self) -> NDArray[np.float64]:
+        """(M, 3) curvature vectors: to the centre of curvature, length 1 / radius."""
+    @property
+    def speeds(self) -> NDArray[np.float64]:
+        """(M,) length of curve per parameter."""
+
+@final
+class ClosestPoints:
+    """Closest points of a spine; M rows each."""
+
+    @property
+    def parameters(self) -> NDArray[np.float64]:
+        """(M,)"""
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """(M, 3)"""
+    @property
+    def distances(self) -> NDArray[np.float64]:
+        """(M,)"""
+    @property
+    def is_beyond_ends(self) -> NDArray[np.bool_]:
+        """(M,) before the first or after the last station."""
+    @property
+    def is_ambiguous(self) -> NDArray[np.bool_]:
+        """(M,) another place of the spine is as near, or the point is a centre of curvature: no unique station."""
+
+@final
+class Fleshing:
+    """Points bound to a rest spine: bends them along a posed one, every chunk keeping its volume (MATH 5).
+
+    points: (N, 3) of anything: vertices, curve points, a cloud, a lattice; object space of both spines.
+    kind: how flesh gives way in the normal plane, or weights (radial, normal, binormal) >= 0 of a blend; None: radial.
+    match: which station of the posed spine is whose.
+        "stations": the same parameter where both spines have the same parameters (see `Spine.posed`), else station by
+        station and smoothly by length in between; "relative_length": the same part of the length; "length": the same
+        length from the first station, so that the body is not stretched but lies along a path.
+    influence: (N,) in [0, 1], part of the way that a point goes; None: 1.
+
+    Immutable; safe to call from several threads. Raises TurgorError for shapes, values that are not finite or in range.
+    """
+
+    def __new__(
+        cls,
+        rest_spine: Spine,
+        points: ArrayLike,
+        kind: Kind | tuple[float, float, float] | None = None,
+        *,
+        match: Match = "stations",
+        influence: ArrayLike | None = None,
+    ) -> Fleshing: ...
+    @property
+    def rest_spine(self) -> Spine: ...
+    @property
+    def point_count(self) -> int: ...
+    @property
+    def stations(self) -> ClosestPoints:
+        """Where each of the N points stands on the rest spine."""
+    @property
+    def memory_bytes(self) -> int:
+        """Bound data."""
+    def with_kind(self, kind: Kind | tuple[float, float, float]) -> Fleshing:
+        """The same binding with another kind; the closest points are kept."""
+    def deform(
+        self,
+        posed_spine: Spine,
+        *,
+        twist: float | ArrayLike | None = None,
+        slide: float = 0.0,
+        stretch: bool = True,
+    ) -> NDArray[np.float64]:
+        """(N, 3) fleshed positions, always finite.
+
+        twist: radians about the tangent. One number: from 0 at the first station of the rest spine to it at the last,
+            smoothly; (2,) angles at both ends; (n,) angle at each station; None: 0. Constant beyond the ends.
+        slide: length by which the body glides along the posed spine.
+        stretch: where the spine grows longer the body grows thinner by the root of that. False: not, and volume grows.
+        Raises TurgorError for spines that do not match, wrong shapes and numbers that are not finite. Releases the GIL.
+        """
+    def deform_into(
+        self,
+        offsets: NDArray[np.float32],
+        posed_spine: Spine,
+        *,
+        twist: float | ArrayLike | None = None,
+        slide: float = 0.0,
+        stretch: bool = True,
+    ) -> FleshingReport:
+        """As `deform`, writing fleshed - rest into `offsets`, (N, 3) float32 C-contiguous; allocates no array."""
+    def deform_into_address(
+        self,
+        offsets_address: int,
+        point_count: int,
+        posed_spine: Spine,
+        *,
+        twist: float | ArrayLike | None = None,
+        slide: float = 0.0,
+        stretch: bool = True,
+    ) -> FleshingReport:
+        """As `deform_into`, at a raw address of point_count * 3 floats that the caller keeps alive."""
+    def inverse(
+        self,
+        points: ArrayLike,
+        posed_spine: Spine,
+        *,
+        twist: float | ArrayLike | None = None,
+        slide: float = 0.0,
+        stretch: bool = True,
+    ) -> NDArray[np.float64]:
+        """(M, 3) where any (M, 3) points about the posed spine come from. Influence is not looked at."""
+    def validity(
+        self,
+        posed_spine: Spine,
+        *,
+        twist: float | ArrayLike | None = None,
+        slide: float = 0.0,
+        stretch: bool = True,
+    ) -> Validity:
+        """Where the map is exact. Projects every image on the posed spine: for overlays, not for each frame."""
+    def valid_radii(
+        self, posed_spine: Spine, parameters: ArrayLike, *, slide: float = 0.0, stretch: bool = True
+    ) -> NDArray[np.float64]:
+        """(M,) radius about the rest spine at (M,) parameters within which no point is clamped; inf if straight."""
+
+@final
+class FleshingReport:
+    """Figures of one frame."""
+
+    @property
+    def clamped_count(self) -> int:
+        """Points outside of the valid space of the posed curvature, held at its border."""
+    @property
+    def max_offset(self) -> float:
+        """Largest |fleshed - rest|."""
+
+@final
+class Validity:
+    """Where a frame is exact; N rows each."""
+
+    @property
+    def is_clamped(self) -> NDArray[np.bool_]:
+        """(N,) beyond the border of the valid space of the posed curvature, held at it."""
+    @property
+    def is_overlapping(self) -> NDArray[np.bool_]:
+        """(N,) the image lies nearer to another station of the posed spine: the body reaches into itself."""
+    @property
+    def is_ambiguous(self) -> NDArray[np.bool_]:
+        """(N,) no unique station of the rest spine, see `ClosestPoints`."""
+    @property
+    def is_beyond_ends(self) -> NDArray[np.bool_]:
+        """(N,) carried rigidly beyond the ends of the rest spine."""
+    @property
+    def usage(self) -> NDArray[np.float64]:
+        """(N,) part of the way from the posed spine to the border of the valid space: exact below 1."""
+    @property
+    def valid_count(self) -> int:
+        """Points that are neither clamped nor overlapping nor ambiguous."""
+
+def flesh(
+    points: ArrayLike,
+    rest_spine: Spine,
+    posed_spine: Spine,
+    kind: Kind | tuple[float, float, float] | None = None,
+    *,
+    match: Match = "stations",
+    influence: ArrayLike | None = None,
+    twist: float | ArrayLike | None = None,
+    slide: float = 0.0,
+    stretch: bool = True,
+) -> NDArray[np.float64]:
+    """(N, 3) points bound to a rest spine and bent along a posed one, in one call; see `Fleshing`."""
