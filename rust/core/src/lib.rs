@@ -2,7 +2,8 @@
 //!
 //! Pure geometry: knows neither Python nor Blender. Lengths are in the caller's units; f64, but for what fields add.
 //! `MATH §n` in comments refers to the formulas collected in `docs/ARCHITECTURE.md`, [RHC09] to Rohmer, Hahmann, Cani:
-//! *Exact volume preserving skinning with shape control*, SCA 2009.
+//! *Exact volume preserving skinning with shape control*, SCA 2009, [ZR13] to Zhuo, Rossignac: *Fleshing: spine-driven
+//! bending with local volume preservation*, 2013.
 
 mod binding;
 mod correction;
