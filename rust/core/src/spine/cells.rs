@@ -1,17 +1,17 @@
 //! A spine as frames need it: short cells, each with its polynomial and its rotation-minimising frame.
 //!
-//! Frames go from cell to cell by two double reflections with exact tangents (Wang, Jüttler, Zheng, Liu: *Computation of rotation
-//! minimizing frames*, 2008; fourth order). Within a cell the start's frame follows the tangent by the least rotation and
-//! turns by a small angle about it: a polynomial of degree five that reaches the next frame, with no rate of turning against
-//! a rotation-minimising frame at either end, nor a change of that rate. Frames are twice differentiable by the parameter.
-
-use glam::DVec3;
-
-use crate::spine::quintic::Quintic;
-use crate::spine::real::{LANES, Real, Vector};
+//! Frames go from cell to cell by two double reflections. Within a cell the start's frame follows the tangent by the least
+//! rotation and turns by a small angle about it: a polynomial of degree five that reaches the next frame, with no rate of
+//! turning against a rotation-minimising frame at either end, nor a change of that rate. Frames are twice differentiable by
+//! the parameter.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x8};
+use glam::DVec3;
+
+use crate::spine::frames::{TURNED_BACK, carried};
+use crate::spine::quintic::Quintic;
+use crate::spine::real::{LANES, Real, Vector};
 
 /// At least so many cells to a spine: one that turns a full circle turns less than six degrees in each.
 const CELLS_MIN: usize = 64;
@@ -19,8 +19,6 @@ const CELLS_MIN: usize = 64;
 const CELLS_PER_PIECE_MIN: usize = 2;
 /// Speeds below this part of the cell's size count as it: where the curve stands still it has no tangent.
 const SLOW: f64 = 1e-8;
-/// 1 + cosine below which a tangent counts as turned back, where no least rotation is.
-const TURNED_BACK: f64 = 1e-9;
 
 /// Numbers of one cell: six coefficients; tangent and normal at its start; three of the angle; 1 / width; the square
 /// of the least speed.
@@ -293,56 +291,4 @@ impl Cells {
 
 fn per_piece(piece_count: usize) -> usize {
     CELLS_MIN.div_ceil(piece_count).max(CELLS_PER_PIECE_MIN)
-}
-
-/// The normal at the end of a cell, of a frame with `normal` at its start; tangents there and here.
-fn carried(part: &Quintic, [start, end]: [DVec3; 2], normal: DVec3) -> DVec3 {
-    // The cell's start is its origin: differences of positions far off would lose digits.
-    let mut local = *part;
-    local.0[0] = DVec3::ZERO;
-    let [middle, velocity, ..] = local.derivatives(0.5);
-    let tangent = velocity.normalize_or(start);
-    let halfway = double_reflection(middle, [start, tangent], normal);
-    double_reflection(local.at(1.0) - middle, [tangent, end], halfway)
-}
-
-/// The normal at the other end of a chord, of a frame with `normal` at this one; tangents here and there.
-fn double_reflection(chord: DVec3, tangents: [DVec3; 2], normal: DVec3) -> DVec3 {
-    let reflected = |v: DVec3, mirror: DVec3| {
-        let square = mirror.length_squared();
-        if square > f64::MIN_POSITIVE { v - (2.0 * mirror.dot(v) / square) * mirror } else { v }
-    };
-    let [here, there] = tangents;
-    let mirror = there - reflected(here, chord);
-    across(reflected(reflected(normal, chord), mirror), there)
-}
-
-/// The part of a vector across a unit vector, of length 1; any if there is none.
-pub(crate) fn across(v: DVec3, unit: DVec3) -> DVec3 {
-    let part = v - v.dot(unit) * unit;
-    // Once more, so that it is across to rounding also where little was left.
-    let part = part.try_normalize().map(|part| part - part.dot(unit) * unit);
-    part.and_then(DVec3::try_normalize).unwrap_or_else(|| any_across(unit))
-}
-
-/// A unit vector across a unit vector: the coordinate axis that is least along it.
-pub(crate) fn any_across(unit: DVec3) -> DVec3 {
-    let [x, y, z] = unit.abs().to_array();
-    let axis = if x <= y && x <= z {
-        DVec3::X
-    } else if y <= z {
-        DVec3::Y
-    } else {
-        DVec3::Z
-    };
-    (axis - axis.dot(unit) * unit).normalize()
-}
-
-/// `v` turned by the least rotation that takes one unit vector to another; as across `to` as it was across `from`.
-pub(crate) fn least_rotation(from: DVec3, to: DVec3, v: DVec3) -> DVec3 {
-    let one = 1.0 + from.dot(to);
-    if one < TURNED_BACK {
-        return across(v, to);
-    }
-    across(v - v.dot(to) / one * (from + to), to)
 }

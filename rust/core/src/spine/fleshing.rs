@@ -8,10 +8,10 @@ use rayon::prelude::*;
 use crate::error::{Error, Result, check_finite};
 use crate::spine::closest::Closest;
 use crate::spine::curve::{ClosestPoint, Spine, TASK};
-use crate::spine::flow::{Block, Flow, Lanes, thin, turn};
+use crate::spine::flow::{Block, Flow, thin, turn};
 use crate::spine::matching::{Match, Matching};
 use crate::spine::planar::Blend;
-use crate::spine::real::LANES;
+use crate::spine::real::{LANES, Lanes};
 use crate::spine::twist::{Twist, TwistCurve};
 
 /// How one frame is posed.
@@ -244,8 +244,7 @@ impl Fleshing {
     /// Image of a point, mixed by its influence; a point so far off that its image is no number stays.
     pub(crate) fn image(&self, frame: &FleshFrame, point: usize) -> DVec3 {
         let (block, lane) = self.lane(point);
-        let [x, y, z] = &frame.blocks[block].position;
-        let fleshed = DVec3::new(x[lane], y[lane], z[lane]);
+        let fleshed = DVec3::from_array(frame.blocks[block].positions[lane]);
         let rest = self.rest[point];
         if !fleshed.is_finite() {
             return rest;
@@ -274,7 +273,7 @@ impl Fleshing {
     fn clamped_count(&self, frame: &FleshFrame) -> usize {
         let counted = |(i, block): (usize, &Block)| {
             let filled = (self.rest.len() - i * LANES).min(LANES);
-            block.clamped[..filled].iter().filter(|&&clamped| clamped != 0.0).count()
+            block.is_clamped[..filled].iter().filter(|&&is_clamped| is_clamped).count()
         };
         frame.blocks.iter().enumerate().map(counted).sum()
     }

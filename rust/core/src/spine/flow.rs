@@ -8,7 +8,7 @@ use crate::spine::cells::{Cell, CellAt};
 use crate::spine::fleshing::Bound;
 use crate::spine::matching::Matching;
 use crate::spine::planar::Blend;
-use crate::spine::real::{LANES, Real, sine_cosine};
+use crate::spine::real::{LANES, Lanes, Real, sine_cosine};
 use crate::spine::twist::TwistCurve;
 
 /// Blocks of one parallel task.
@@ -16,16 +16,12 @@ const TASK: usize = 64;
 /// Flesh grows thicker at most by this factor where the spine is compressed: at a cusp it would be infinite.
 pub(crate) const SWELL_MAX: f64 = 4.0;
 
-/// Eight points, one to a lane.
-pub(crate) type Lanes = [f64; LANES];
-
-/// Eight results: coordinates, and what becomes 1 where a point was held at the border of the valid space.
+/// Eight images.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Block {
-    pub position: [Lanes; 3],
-    pub clamped: Lanes,
-    /// k·p of the image: 1 at the border.
-    pub towards_centre: Lanes,
+    pub positions: [[f64; 3]; LANES],
+    /// Held at the border of the valid space.
+    pub is_clamped: [bool; LANES],
 }
 
 /// What a frame is made from.
@@ -61,7 +57,7 @@ impl Flow<'_> {
         let mut loaded = (self.bound.cells[first][0], CellAt::splat(simd, &self.cells[self.bound.cells[first][0] as usize]));
         let mut hint = self.cells.len() / 2;
         for (i, block) in blocks.iter_mut().enumerate() {
-            let target = self.target(first + i, &mut hint);
+            let target = self.target(simd, first + i, &mut hint);
             let cell = target.cells[0];
             if target.cells.iter().all(|&c| c == cell) {
                 if loaded.0 != cell {
@@ -75,15 +71,13 @@ impl Flow<'_> {
     }
 
     #[inline(always)]
-    fn target(&self, block: usize, hint: &mut usize) -> Target {
+    fn target<S: Simd>(&self, simd: S, block: usize, hint: &mut usize) -> Target {
         let (cells, u, per_speed) = (&self.bound.cells[block], &self.bound.u[block], &self.bound.per_speed[block]);
         let mut target = Target { cells: *cells, u: *u, rate: *per_speed, twist: [0.0; LANES] };
         if !self.matching.is_same() {
-            for lane in 0..LANES {
-                let ((cell, u), rate) = self.matching.posed_place((cells[lane] as usize, u[lane]), *hint);
-                *hint = cell;
-                (target.cells[lane], target.u[lane], target.rate[lane]) = (cell as u32, u, rate * per_speed[lane]);
-            }
+            let (cells, u, rate) = self.matching.posed_places(simd, *cells, *u, hint);
+            (target.cells, target.u) = (cells, u);
+            target.rate = std::array::from_fn(|lane| rate[lane] * per_speed[lane]);
         }
         if let Some(twist) = self.twist {
             target.twist = std::array::from_fn(|lane| twist.at(self.bound.parameter[block][lane]));
@@ -101,8 +95,9 @@ impl Flow<'_> {
         let turned = turn(thinned, station.angle + lanes(&target.twist));
         let p = self.blend.bend(turned, station.curvature, &mut clamped);
         let image = station.position + station.normal * p[0] + station.binormal * p[1];
-        let towards_centre = station.curvature[0] * p[0] + station.curvature[1] * p[1];
-        Block { position: [image.x.into(), image.y.into(), image.z.into()], clamped: clamped.into(), towards_centre: towards_centre.into() }
+        let [x, y, z]: [Lanes; 3] = [image.x.into(), image.y.into(), image.z.into()];
+        let clamped: Lanes = clamped.into();
+        Block { positions: std::array::from_fn(|lane| [x[lane], y[lane], z[lane]]), is_clamped: clamped.map(|clamped| clamped != 0.0) }
     }
 }
 

@@ -32,7 +32,7 @@ pub(crate) struct Samples {
     pub parameters: Vec<f64>,
     pub points: Vec<DVec3>,
     pub ends: [End; 2],
-    /// Which samples are stations: every so manieth.
+    /// Samples from one station to the next.
     pub resolution: usize,
     /// Places of the given curve between the samples.
     pub checks: Vec<DVec3>,

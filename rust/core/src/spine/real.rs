@@ -9,6 +9,9 @@ use glam::DVec3;
 /// Numbers that lie side by side.
 pub(crate) const LANES: usize = 8;
 
+/// Eight numbers, one to a lane.
+pub(crate) type Lanes = [f64; LANES];
+
 /// A number, or one per lane. Every operation rounds as IEEE 754 says, so lanes and single numbers give the same bits.
 pub(crate) trait Real:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
@@ -155,28 +158,38 @@ const ROUNDING: f64 = 6_755_399_441_055_744.0;
 /// Sine and cosine, to rounding for angles up to some thousands of turns.
 #[inline(always)]
 pub(crate) fn sine_cosine<R: Real>(angle: R) -> (R, R) {
-    let c = |value| angle.constant(value);
-    let whole = |x: R| (x + c(ROUNDING)) - c(ROUNDING);
-    let quarters = whole(angle * c(std::f64::consts::FRAC_2_PI));
-    let r = ((angle - quarters * c(HALF_PI[0])) - quarters * c(HALF_PI[1])) - quarters * c(HALF_PI[2]);
-    // Taylor: the first term left out is below 5e-17 for |r| ≤ π/4.
-    let series = |coefficients: &[f64]| {
-        let mut sum = c(coefficients[0]);
-        for &coefficient in &coefficients[1..] {
-            sum = sum * (r * r) + c(coefficient);
-        }
-        sum
-    };
-    let sine = r + r * (r * r) * series(&SINE);
-    let cosine = c(1.0) - (r * r) * series(&COSINE);
-    // Which quarter turn: −2 … 2.
-    let quarter = quarters - c(4.0) * whole(quarters * c(0.25));
-    let is_odd = |yes: R, no: R| (c(0.5) - (quarter * quarter - c(1.0)) * (quarter * quarter - c(1.0))).if_below(c(0.0), no, yes);
-    let (s, k) = (is_odd(cosine, sine), is_odd(sine, cosine));
-    // Sine is turned over in quarters 2 and 3, cosine in 1 and 2.
-    let sine_sign = quarter.if_below(c(-0.5), c(-1.0), c(1.5).if_below(quarter, c(-1.0), c(1.0)));
-    let cosine_sign = (quarter - c(0.5)).if_below(c(0.0), (c(-1.5)).if_below(quarter, c(1.0), c(-1.0)), c(-1.0));
-    (s * sine_sign, k * cosine_sign)
+    let zero = angle.constant(0.0);
+    let one = angle.constant(1.0);
+    let quarters = nearest_whole(angle * angle.constant(std::f64::consts::FRAC_2_PI));
+    let r =
+        ((angle - quarters * angle.constant(HALF_PI[0])) - quarters * angle.constant(HALF_PI[1])) - quarters * angle.constant(HALF_PI[2]);
+    let square = r * r;
+    let sine = r + r * square * series(&SINE, square);
+    let cosine = one - square * series(&COSINE, square);
+    // Which quarter turn: −2 … 2. Odd ones exchange sine and cosine.
+    let quarter = quarters - angle.constant(4.0) * nearest_whole(quarters * angle.constant(0.25));
+    let evenness = (quarter * quarter - one) * (quarter * quarter - one);
+    let half = angle.constant(0.5);
+    let (s, c) = (evenness.if_below(half, cosine, sine), evenness.if_below(half, sine, cosine));
+    // Sine is turned over in quarters −2, −1 and 2, cosine in −2, 1 and 2.
+    let signed_sine = quarter.if_below(zero, -s, angle.constant(1.5).if_below(quarter, -s, s));
+    let signed_cosine = half.if_below(quarter, -c, quarter.if_below(angle.constant(-1.5), -c, c));
+    (signed_sine, signed_cosine)
+}
+
+#[inline(always)]
+fn nearest_whole<R: Real>(x: R) -> R {
+    (x + x.constant(ROUNDING)) - x.constant(ROUNDING)
+}
+
+/// Taylor's: the first term left out is below 5e-17 for |r| ≤ π/4.
+#[inline(always)]
+fn series<R: Real>(coefficients: &[f64], square: R) -> R {
+    let mut sum = square.constant(coefficients[0]);
+    for &coefficient in &coefficients[1..] {
+        sum = sum * square + square.constant(coefficient);
+    }
+    sum
 }
 
 /// sin r = r + r³ · Σ, from the last: −1/3!, 1/5!, …, −1/15!.

@@ -53,16 +53,19 @@ impl Fleshing {
         let rows = self.closest().par_iter().enumerate().with_min_len(TASK).map(|(point, closest)| {
             let (block, lane) = self.lane(point);
             let block = &frame.blocks[block];
-            let image = DVec3::from_array(block.position.map(|lanes| lanes[lane]));
-            let is_clamped = block.clamped[lane] != 0.0 || !image.is_finite();
+            let image = DVec3::from_array(block.positions[lane]);
+            let is_clamped = block.is_clamped[lane] || !image.is_finite();
             let ((cell, u), _) = matching.posed_place((closest.cell, closest.u), closest.cell);
-            let own = image.distance(posed.station(cell, u).position.into());
+            let station = posed.station(cell, u);
+            let offset = image - DVec3::from(station.position);
+            let own = offset.length();
             let is_overlapping = !is_clamped && {
                 let Closest { distance, .. } = search.closest(posed, image);
                 distance < own * (1.0 - NEARER)
             };
             let parameter = self.rest_spine().cells().parameter(closest.cell, closest.u);
-            let usage = if is_clamped { 1.0 } else { block.towards_centre[lane].max(0.0) };
+            let curvature: DVec3 = (station.normal * station.curvature[0] + station.binormal * station.curvature[1]).into();
+            let usage = if is_clamped { 1.0 } else { curvature.dot(offset).clamp(0.0, 1.0) };
             (is_clamped, is_overlapping, closest.is_ambiguous, !(first..=last).contains(&parameter), usage)
         });
         let rows: Vec<(bool, bool, bool, bool, f64)> = rows.collect();
