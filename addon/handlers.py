@@ -91,6 +91,10 @@ def _finish(depsgraph: bpy.types.Depsgraph) -> None:
         _redraw_panels()
     if runtime.session.route == "PUSH":
         push.write_all(depsgraph)
+        if runtime.session.waiting and not runtime.session.is_rendering:
+            # It found bindings that no longer fit.
+            start.bind_waiting()
+            push.write_all(depsgraph)
 
 
 def _redraw_panels() -> None:

@@ -56,6 +56,11 @@ class TurgorCarrier(bpy.types.PropertyGroup):
         return 0.0
 
     tick: FloatProperty(get=_tick, override=OVERRIDABLE, options={"HIDDEN"})
+    kind: EnumProperty(
+        items=(("VOLUME", "Turgor Volume", ""), ("SPINE", "Turgor Spine", "")),
+        override=OVERRIDABLE,
+        options={"HIDDEN"},
+    )
     mesh: PointerProperty(type=bpy.types.Mesh, override=OVERRIDABLE)
     target: PointerProperty(type=bpy.types.Object, override=OVERRIDABLE)
 

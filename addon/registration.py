@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import bpy
 
-from . import handlers, properties
+from . import handlers, properties, spine_properties
 from .operators.add import OBJECT_OT_turgor_volume_add
 from .operators.add import draw as draw_add
 from .operators.rebind import OBJECT_OT_turgor_volume_rebind
 from .operators.remove import OBJECT_OT_turgor_volume_remove
+from .operators.spine import OBJECT_OT_turgor_spine_add, OBJECT_OT_turgor_spine_rebind, OBJECT_OT_turgor_spine_remove
+from .operators.spine import draw as draw_add_spine
 from .panels.joints import TURGOR_UL_joints
+from .panels.spine import TURGOR_PT_spine, TURGOR_PT_spine_settings
 from .panels.volume import TURGOR_PT_settings, TURGOR_PT_volume
 
 CLASSES = (
@@ -17,12 +20,18 @@ CLASSES = (
     properties.TurgorJoint,
     properties.TurgorObject,
     properties.TurgorPreferences,
+    spine_properties.TurgorSpine,
     OBJECT_OT_turgor_volume_add,
     OBJECT_OT_turgor_volume_remove,
     OBJECT_OT_turgor_volume_rebind,
+    OBJECT_OT_turgor_spine_add,
+    OBJECT_OT_turgor_spine_remove,
+    OBJECT_OT_turgor_spine_rebind,
     TURGOR_UL_joints,
     TURGOR_PT_volume,
     TURGOR_PT_settings,
+    TURGOR_PT_spine,
+    TURGOR_PT_spine_settings,
 )
 
 
@@ -30,13 +39,17 @@ def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     properties.register()
+    spine_properties.register()
     bpy.types.OBJECT_MT_modifier_add_deform.append(draw_add)
+    bpy.types.OBJECT_MT_modifier_add_deform.append(draw_add_spine)
     handlers.register()
 
 
 def unregister() -> None:
     handlers.unregister()
+    bpy.types.OBJECT_MT_modifier_add_deform.remove(draw_add_spine)
     bpy.types.OBJECT_MT_modifier_add_deform.remove(draw_add)
+    spine_properties.unregister()
     properties.unregister()
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -36,6 +36,16 @@ class Figures:
 
 
 @dataclass(frozen=True)
+class SpineFigures:
+    """One frame of a fleshed body. Deviations in percent of the rest volume; None where nothing encloses one."""
+
+    point_count: int
+    clamped_count: int
+    fleshed_deviation: float | None
+    kept_deviation: float | None
+
+
+@dataclass(frozen=True)
 class Timing:
     """One frame, milliseconds."""
 
@@ -50,9 +60,9 @@ class Timing:
 
 @dataclass
 class Character:
-    """By session uid of the character's object."""
+    """One object with one modifier of ours."""
 
-    body: Any = None  # live.binding.Bound
+    body: Any = None  # live.binding.Bound, live.spine_binding.Bound
     signature: tuple[object, ...] = ()
     problem: str | None = None
     logged: set[str] = field(default_factory=set)
@@ -60,12 +70,12 @@ class Character:
     is_stale: bool = False
     notes: tuple[str, ...] = ()
     # Works out `figures`: called when a panel is drawn, since most frames are looked at by nobody.
-    measure: Callable[[], Figures] | None = None
+    measure: Callable[[], Any] | None = None
     timing: Timing | None = None
 
     @property
-    def figures(self) -> Figures | None:
-        """Of the last frame in the viewport."""
+    def figures(self) -> Any:
+        """Of the last frame in the viewport, `Figures` or `SpineFigures`; None when there are none."""
         measure = self.measure
         return None if measure is None else measure()
 
@@ -74,7 +84,9 @@ class Character:
 class Session:
     """State of the whole session; `route` is empty until it was chosen."""
 
+    # By session uid of the object: with Turgor Volume, and with Turgor Spine.
     characters: dict[int, Character] = field(default_factory=dict)
+    spines: dict[int, Character] = field(default_factory=dict)
     waiting: set[int] = field(default_factory=set)
     route: str = ""
     route_reason: str = ""
@@ -91,6 +103,7 @@ def forget_file() -> None:
     """Another file was loaded: its objects have other uids."""
     with lock:
         session.characters.clear()
+        session.spines.clear()
         session.waiting.clear()
 
 
@@ -99,10 +112,19 @@ def character(uid: int) -> Character:
         return session.characters.setdefault(uid, Character())
 
 
-def set_problem(uid: int, name: str, problem: str | None) -> None:
+def spine(uid: int) -> Character:
+    with lock:
+        return session.spines.setdefault(uid, Character())
+
+
+def known(kind: str, uid: int) -> Character:
+    """By the carrier's kind."""
+    return spine(uid) if kind == "SPINE" else character(uid)
+
+
+def set_problem(known: Character, name: str, problem: str | None) -> None:
     """Show a problem in the panel and write it to the log, each one once per file."""
     with lock:
-        known = character(uid)
         known.problem = problem
         if problem is None:
             return

@@ -55,12 +55,12 @@ def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
         bound, problem = None, str(error)
     known.body = bound
     known.notes = () if bound is None else bound.body.uncorrected_parts()
-    difference = stack.render_difference(target)
+    difference = stack.render_difference(target, stack.armature_modifier(target))
     if difference is not None:
         known.notes += (difference,)
     if is_editable(target) and target.override_library is None:
         _set_in_renders(target, difference is None)
-    runtime.set_problem(target.session_uid, target.name, problem)
+    runtime.set_problem(known, target.name, problem)
     holder = carrier.carrier_of(target)
     if holder is not None:
         holder.turgor.carrier.mesh.update_tag()
@@ -128,10 +128,10 @@ def _placement(target: bpy.types.Object, rig: bpy.types.Object, *, is_changed: b
 
     is_changed: mesh, bones or armature are others than at the last bind, perhaps by applying a scale.
     """
-    saved = placement.bound_object_from_armature(target)
+    saved = placement.bound_object_from_armature(target.turgor)
     if is_editable(target) and (saved is None or is_changed):
-        placement.save(target, rig)
-        saved = placement.bound_object_from_armature(target)
+        placement.save(target.turgor, rig)
+        saved = placement.bound_object_from_armature(target.turgor)
     return placement.object_from_armature(target, rig) if saved is None else saved
 
 
@@ -190,4 +190,4 @@ def _prepare_scene(target: bpy.types.Object, rig: bpy.types.Object, bones: skele
     holder = carrier.carrier_of(target)
     if holder is not None and is_editable(holder):
         carrier.resize(holder, made.vertex_count)
-        drivers.write_tick(holder, rig, bones.names)
+        drivers.write_tick(holder, drivers.bone_sources(rig, bones.names))

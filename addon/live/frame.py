@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
 from time import perf_counter
-from typing import Any
 
 import bpy
 import numpy as np
@@ -19,12 +17,12 @@ from .binding import Bound
 
 PRESET_NAMES = tuple(item[0].lower() for item in properties.PRESETS)
 
-# Runs the engine on pose matrices (B, 4, 4) with its keyword arguments, into offsets that the caller knows.
-Run = Callable[[turgor.VolumeSkin, NDArray[np.float32], dict[str, Any]], turgor.Report]
 
+def correct(target: bpy.types.Object, address: int, vertex_count: int) -> bool:
+    """Correct the evaluated `target`; offsets, (N, 3) float32, go to `address`.
 
-def correct(target: bpy.types.Object, vertex_count: int, run: Run) -> bool:
-    """Correct the evaluated `target`. False: there is nothing to show but plain skinning, offsets must be zero."""
+    False: there is nothing to show but plain skinning, offsets must be zero.
+    """
     original = target.original
     uid = original.session_uid
     known = runtime.session.characters.get(uid)
@@ -35,15 +33,15 @@ def correct(target: bpy.types.Object, vertex_count: int, run: Run) -> bool:
     if bound is None or bound.body.vertex_count != vertex_count:
         return False
     try:
-        _correct(target, known, bound, run)
+        _correct(target, known, bound, address)
     except Exception as error:  # nothing may leave a getter or a handler; the artist reads it in the panel
-        runtime.set_problem(uid, original.name, str(error) or repr(error))
+        runtime.set_problem(known, original.name, str(error) or repr(error))
         return False
-    runtime.set_problem(uid, original.name, None)
+    runtime.set_problem(known, original.name, None)
     return True
 
 
-def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, run: Run) -> None:
+def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, address: int) -> None:
     started = perf_counter()
     inputs = frame.read_frame(target)
     saved = settings.read_settings(target)
@@ -60,7 +58,7 @@ def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, r
         saved.keep_bone_scale,
     )
     read = perf_counter()
-    report = run(engine, pose_matrices, options)
+    report = engine.deform_into_address(address, bound.body.vertex_count, pose_matrices, **options)
     done = perf_counter()
     if not runtime.session.is_rendering:
         strengths = bound.body.joint_strengths

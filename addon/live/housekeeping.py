@@ -7,8 +7,8 @@ from collections.abc import Iterable
 import bpy
 
 from .. import properties, runtime
-from ..scene import carrier, curves, drivers, node_group, stack
-from . import binding
+from ..scene import carrier, curves, drivers, node_group, spine_stack, stack
+from . import binding, spine_housekeeping
 
 
 def characters() -> list[bpy.types.Object]:
@@ -20,9 +20,9 @@ def add(target: bpy.types.Object) -> None:
     """Put the modifier after the Armature and bind. The object has no obstacle and no modifier of ours."""
     armature = stack.armature_modifier(target)
     modifiers = list(target.modifiers)
-    ours = target.modifiers.new(stack.MODIFIER_NAME, "NODES")
+    ours = target.modifiers.new(node_group.VOLUME.label, "NODES")
     target.modifiers.move(len(modifiers), modifiers.index(armature) + 1)
-    ours.node_group = node_group.ensure()
+    ours.node_group = node_group.ensure(node_group.VOLUME)
     ours.show_in_editmode = armature.show_in_editmode
     ours.show_group_selector = False
     if hasattr(ours, "show_manage_panel"):  # from Blender 5.0 on
@@ -78,9 +78,12 @@ def remove_orphans() -> None:
     """Carriers whose modifier was removed by its X, or whose character was deleted."""
     orphans = [holder for holder in carrier.carriers() if carrier.is_orphan(holder)]
     for holder in orphans:
-        target = holder.turgor.carrier.target
+        target, kind = holder.turgor.carrier.target, carrier.kind_of(holder)
         carrier.remove(holder)
         if target is None:
+            continue
+        if kind == node_group.SPINE:
+            _forget_spine(target)
             continue
         if target.users == 0 and stack.volume_modifier(target) is not None:
             target.modifiers.remove(stack.volume_modifier(target))
@@ -88,3 +91,10 @@ def remove_orphans() -> None:
             forget_settings(target)
     if orphans:
         node_group.remove_unused()
+
+
+def _forget_spine(target: bpy.types.Object) -> None:
+    if target.users == 0 and spine_stack.spine_modifier(target) is not None:
+        target.modifiers.remove(spine_stack.spine_modifier(target))
+    if spine_stack.spine_modifier(target) is None:
+        spine_housekeeping.forget_settings(target)

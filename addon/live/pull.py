@@ -6,15 +6,10 @@ One evaluation per frame; viewport, render and exporter each get their own. The 
 from __future__ import annotations
 
 import ctypes
-from typing import Any
-
-import numpy as np
-import turgor
-from numpy.typing import NDArray
 
 from .. import properties, runtime
 from ..scene import carrier
-from . import frame
+from .kinds import FRAMES
 
 FLOAT3_BYTES = 12
 
@@ -29,9 +24,6 @@ def on_tick(evaluated: properties.TurgorCarrier) -> None:
     address, vertex_count = carrier.offsets_address(mesh)
     if not vertex_count:
         return
-
-    def run(engine: turgor.VolumeSkin, pose_matrices: NDArray[np.float32], options: dict[str, Any]) -> turgor.Report:
-        return engine.deform_into_address(address, vertex_count, pose_matrices, **options)
-
-    if target is None or not target.is_evaluated or not frame.correct(target, vertex_count, run):
+    deform = FRAMES[evaluated.kind]
+    if target is None or not target.is_evaluated or not deform(target, address, vertex_count):
         ctypes.memset(address, 0, vertex_count * FLOAT3_BYTES)

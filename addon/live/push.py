@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from time import perf_counter
-from typing import Any
 
 import bpy
 import numpy as np
-import turgor
 from numpy.typing import NDArray
 
 from .. import runtime
 from ..scene import carrier
-from . import frame
+from .kinds import FRAMES
 
 
 def write_all(depsgraph: bpy.types.Depsgraph) -> None:
@@ -38,14 +36,12 @@ def _write(holder: bpy.types.Object, target: bpy.types.Object) -> None:
     if not len(offsets):
         return
 
-    def run(engine: turgor.VolumeSkin, pose_matrices: NDArray[np.float32], options: dict[str, Any]) -> turgor.Report:
-        return engine.deform_into(offsets, pose_matrices, **options)
-
-    if not frame.correct(target, len(offsets), run):
+    kind = holder.turgor.carrier.kind
+    if not FRAMES[kind](target, offsets.ctypes.data, len(offsets)):
         offsets[...] = 0.0
     started = perf_counter()
     _write_changed(mesh, offsets)
-    known = runtime.character(target.original.session_uid)
+    known = runtime.known(kind, target.original.session_uid)
     if known.timing is not None:
         milliseconds = 1e3 * (perf_counter() - started)
         known.timing = runtime.Timing(known.timing.read, known.timing.engine, milliseconds)

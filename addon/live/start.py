@@ -5,8 +5,8 @@ from __future__ import annotations
 import bpy
 
 from .. import runtime
-from ..scene import carrier, drivers, node_group, stack
-from . import binding, housekeeping, profiles, route
+from ..scene import carrier, drivers, node_group, spine_stack, stack
+from . import binding, housekeeping, profiles, route, spine_binding, spine_housekeeping
 
 # Modes in which the mesh is being changed; it is read when the artist leaves them.
 EDITING_MODES = frozenset({"EDIT", "SCULPT", "WEIGHT_PAINT", "VERTEX_PAINT", "TEXTURE_PAINT"})
@@ -20,8 +20,11 @@ def start() -> None:
     with runtime.quiet():
         route.choose()
         housekeeping.remove_orphans()
-        found = housekeeping.characters()
+        found, bodies = housekeeping.characters(), spine_housekeeping.bodies()
         housekeeping.give_own_carriers(found)
+        spine_housekeeping.give_own_carriers(bodies)
+    for target in bodies:
+        spine_binding.bind(target)
     for target in found:
         binding.bind(target)
     for holder in carrier.carriers():
@@ -33,6 +36,9 @@ def bind_waiting() -> None:
     """Characters that were evaluated before they were bound: linked or appended since."""
     session = runtime.session
     if session.waiting:
+        for target in spine_housekeeping.bodies():
+            if target.session_uid in session.waiting:
+                spine_binding.bind(target)
         for target in housekeeping.characters():
             if target.session_uid in session.waiting:
                 binding.bind(target)
@@ -48,9 +54,11 @@ def follow(depsgraph: bpy.types.Depsgraph) -> None:
     # Moving a shape key's slider updates its mesh as well; its shape changes in edit modes.
     keyed = {item.user for item in changed if isinstance(item, bpy.types.Key)}
     for target in objects:
+        is_edited = target.data in changed and (target.mode in EDITING_MODES or target.data not in keyed)
+        if spine_stack.spine_modifier(target) is not None:
+            _follow_body(target, is_edited=is_edited)
         if stack.volume_modifier(target) is not None:
-            is_editing = target.mode in EDITING_MODES
-            _follow_character(target, is_edited=target.data in changed and (is_editing or target.data not in keyed))
+            _follow_character(target, is_edited=is_edited)
     # Dragging a curve's point comes without any name.
     if not updated or any(isinstance(item, bpy.types.NodeTree) for item in updated):
         for target in housekeeping.characters():
@@ -60,7 +68,10 @@ def follow(depsgraph: bpy.types.Depsgraph) -> None:
 def _keep_house(objects: list[bpy.types.Object]) -> None:
     with runtime.quiet():
         housekeeping.give_own_carriers(objects)
-        if any(ob.turgor.version > 0 and stack.volume_modifier(ob) is None for ob in objects):
+        spine_housekeeping.give_own_carriers(objects)
+        volumes = (ob.turgor.version > 0 and stack.volume_modifier(ob) is None for ob in objects)
+        spines = (ob.turgor_spine.version > 0 and spine_stack.spine_modifier(ob) is None for ob in objects)
+        if any(volumes) or any(spines):
             housekeeping.remove_orphans()
 
 
@@ -72,6 +83,14 @@ def _follow_character(target: bpy.types.Object, *, is_edited: bool) -> None:
     elif target.mode not in EDITING_MODES:
         known.is_stale = False
         binding.bind(target)
+
+
+def _follow_body(target: bpy.types.Object, *, is_edited: bool) -> None:
+    known = runtime.spine(target.session_uid)
+    known.is_stale = known.is_stale or is_edited or known.signature != spine_stack.signature(target)
+    if known.is_stale and target.mode not in EDITING_MODES:
+        known.is_stale = False
+        spine_binding.bind(target)
 
 
 def follow_curves(target: bpy.types.Object) -> bool:

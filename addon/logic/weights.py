@@ -33,6 +33,12 @@ def bone_weights(
     return BoneWeights(kept_before[offsets], bones[is_kept], weights[is_kept])
 
 
+def sums(weights: BoneWeights) -> NDArray[np.float64]:
+    """(N,) of each vertex."""
+    total = np.concatenate([[0.0], np.cumsum(weights.weights, dtype=np.float64)])
+    return total[weights.offsets[1:]] - total[weights.offsets[:-1]]
+
+
 def vertex_mask(
     offsets: NDArray[np.int32],
     groups: NDArray[np.int32],

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import textwrap
-
 import bpy
 
 from .. import runtime
 from .joint import draw_joint
 from .joints import columns
 from .percent import signed_percent
+from .text import draw_wrapped
 
 PARENT_PANEL = "TURGOR_PT_volume"
-# Pixels of the panel per character of text, at a user interface scale of 1.
-CHARACTER_WIDTH = 6.4
 # An error from here on is rounded as roughly as that of plain skinning.
 VISIBLE_PERCENT = 0.005
 # Width of the list's scroll bar and frame, in widgets.
@@ -85,7 +82,7 @@ def _draw_problem(layout: bpy.types.UILayout, context: bpy.types.Context, known:
         return
     box = layout.box()
     box.alert = True
-    _draw_wrapped(box, context, known.problem, "ERROR")
+    draw_wrapped(box, context, known.problem, "ERROR")
     if known.needs_rebind:
         button = box.row()
         button.alert = False
@@ -110,7 +107,7 @@ def _draw_readout(layout: bpy.types.UILayout, known: runtime.Character) -> None:
 def _draw_notes(layout: bpy.types.UILayout, context: bpy.types.Context, known: runtime.Character) -> None:
     column = layout.column(align=True)
     for note in known.notes:
-        _draw_wrapped(column, context, note, "INFO")
+        draw_wrapped(column, context, note, "INFO")
 
 
 def _draw_joints(layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy.types.Object) -> None:
@@ -130,11 +127,4 @@ def _draw_state(layout: bpy.types.UILayout, context: bpy.types.Context, known: r
         line.label(text=f"{known.timing.total:.2f} ms per frame")
     if runtime.session.route == "PUSH":
         text = f"Evaluates each frame twice: {runtime.session.route_reason}"
-        _draw_wrapped(layout.column(align=True), context, text, "INFO")
-
-
-def _draw_wrapped(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str) -> None:
-    width = context.region.width / (CHARACTER_WIDTH * context.preferences.system.ui_scale)
-    column = layout.column(align=True)
-    for number, line in enumerate(textwrap.wrap(text, max(int(width) - 8, 20))):
-        column.label(text=line, icon=icon if number == 0 else "BLANK1")
+        draw_wrapped(layout.column(align=True), context, text, "INFO")

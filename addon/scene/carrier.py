@@ -1,6 +1,6 @@
-"""The carrier: a local object outside every scene, with one vertex per vertex of the stack after the Armature.
+"""The carrier: a local object outside every scene, with one vertex per vertex of the stack at its modifier.
 
-Its attribute is zero in saved files, so that a file opened without the extension shows plain skinning.
+Its attribute is zero in saved files, so that a file opened without the extension shows the mesh without ours.
 """
 
 from __future__ import annotations
@@ -27,28 +27,34 @@ def is_carrier(ob: bpy.types.Object) -> bool:
     return ob.turgor.carrier.mesh is not None
 
 
-def carrier_of(ob: bpy.types.Object) -> bpy.types.Object | None:
+def kind_of(carrier: bpy.types.Object) -> node_group.Kind:
+    """The kind of modifier that reads it."""
+    return node_group.KINDS[carrier.turgor.carrier.kind]
+
+
+def carrier_of(ob: bpy.types.Object, kind: node_group.Kind = node_group.VOLUME) -> bpy.types.Object | None:
     """The carrier that the object's modifier reads, which after Shift-D is still that of the original."""
-    ours = stack.volume_modifier(ob)
+    ours = stack.own_modifier(ob, kind)
     if ours is None or not modifier_inputs.has_input(ours, node_group.CARRIER):
         return None
     return modifier_inputs.read_input(ours, node_group.CARRIER)
 
 
-def create(target: bpy.types.Object) -> bpy.types.Object:
+def create(target: bpy.types.Object, kind: node_group.Kind = node_group.VOLUME) -> bpy.types.Object:
     """A carrier without vertices."""
-    mesh = bpy.data.meshes.new(f"Turgor {target.name}")
+    mesh = bpy.data.meshes.new(f"{kind.label} {target.name}")
     carrier = bpy.data.objects.new(mesh.name, mesh)
     carrier.modifiers.new(TICK_MODIFIER, "NODES").node_group = node_group.ensure_tick()
     carrier.turgor.carrier.mesh = mesh
     carrier.turgor.carrier.target = target
+    carrier.turgor.carrier.kind = next(name for name, known in node_group.KINDS.items() if known == kind)
     resize(carrier, 0)
     return carrier
 
 
 def assign(target: bpy.types.Object, carrier: bpy.types.Object) -> None:
     """Let the object's modifier read this carrier."""
-    modifier_inputs.write_input(stack.volume_modifier(target), node_group.CARRIER, carrier)
+    modifier_inputs.write_input(stack.own_modifier(target, kind_of(carrier)), node_group.CARRIER, carrier)
     target.update_tag()
 
 
@@ -75,7 +81,7 @@ def is_orphan(carrier: bpy.types.Object) -> bool:
     target = carrier.turgor.carrier.target
     if carrier.library is not None or carrier.override_library is not None:
         return False
-    if target is None or carrier_of(target) != carrier:
+    if target is None or carrier_of(target, kind_of(carrier)) != carrier:
         return True
     is_only_ours = target.users == 1 and not target.use_fake_user
     return is_only_ours and not target.users_collection

@@ -29,6 +29,24 @@ def follow_armature(ob: bpy.types.Object, ours: bpy.types.NodesModifier, armatur
         _follow_switch(ob, ours, armature, identifier)
 
 
+def follows(ob: bpy.types.Object, ours: bpy.types.NodesModifier, armature: bpy.types.ArmatureModifier) -> bool:
+    """Whether our input for the viewport is driven by this Armature."""
+    animation = ob.animation_data
+    curve = (
+        None if animation is None else animation.drivers.find(modifier_inputs.input_path(ours, node_group.IN_VIEWPORT))
+    )
+    if curve is None or not curve.driver.variables:
+        return False
+    return curve.driver.variables[0].targets[0].data_path == _switch_path(armature, node_group.IN_VIEWPORT)
+
+
+def unfollow(ob: bpy.types.Object, ours: bpy.types.NodesModifier) -> None:
+    """No Armature any more: on everywhere."""
+    for identifier in _SWITCHES:
+        if ob.driver_remove(modifier_inputs.input_path(ours, identifier)):
+            modifier_inputs.write_input(ours, identifier, True)
+
+
 def set_in_renders(
     ob: bpy.types.Object, ours: bpy.types.NodesModifier, armature: bpy.types.ArmatureModifier, is_same: bool
 ) -> None:
@@ -61,17 +79,20 @@ _SWITCHES = {node_group.IN_VIEWPORT: "show_viewport", node_group.IN_RENDER: "sho
 def _follow_switch(
     ob: bpy.types.Object, ours: bpy.types.NodesModifier, armature: bpy.types.ArmatureModifier, identifier: str
 ) -> None:
-    name = bpy.utils.escape_identifier(armature.name)
     driver = _new_driver(ob, modifier_inputs.input_path(ours, identifier))
-    _add_variable(driver, Source("SINGLE_PROP", "OBJECT", ob, f'modifiers["{name}"].{_SWITCHES[identifier]}'))
+    _add_variable(driver, Source("SINGLE_PROP", "OBJECT", ob, _switch_path(armature, identifier)))
 
 
-def write_tick(carrier: bpy.types.Object, rig: bpy.types.Object, bone_names: Iterable[str]) -> None:
-    """Let the carrier's `tick` be read after all that one frame depends on has been evaluated.
+def _switch_path(armature: bpy.types.ArmatureModifier, identifier: str) -> str:
+    return f'modifiers["{bpy.utils.escape_identifier(armature.name)}"].{_SWITCHES[identifier]}'
+
+
+def write_tick(carrier: bpy.types.Object, sources: Iterable[Source]) -> None:
+    """Let the carrier's `tick` be read after its target's settings and `sources` have been evaluated.
 
     Left alone when it already does: a new driver makes Blender rebuild the dependency graph.
     """
-    wanted = _tick_sources(carrier, rig, bone_names)
+    wanted = [*_own_sources(carrier), *sources]
     curve = tick_curve(carrier)
     if curve is not None and [_source(variable) for variable in curve.driver.variables] == wanted:
         return
@@ -102,22 +123,44 @@ def _new_driver(owner: bpy.types.ID, path: str) -> bpy.types.Driver:
     return curve.driver
 
 
-def _tick_sources(carrier: bpy.types.Object, rig: bpy.types.Object, bone_names: Iterable[str]) -> list[Source]:
+def _own_sources(carrier: bpy.types.Object) -> list[Source]:
     target = carrier.turgor.carrier.target
-    sources = [
+    settings = {"VOLUME": "turgor.target_volume", "SPINE": "turgor_spine.slide"}[carrier.turgor.carrier.kind]
+    return [
         Source("SINGLE_PROP", "OBJECT", carrier, "turgor.carrier.tick"),
         Source("SINGLE_PROP", "MESH", carrier.turgor.carrier.mesh, "use_auto_texspace"),
         Source("SINGLE_PROP", "MESH", target.data, "use_auto_texspace"),
-        Source("SINGLE_PROP", "OBJECT", target, "turgor.target_volume"),
+        # All settings of an object are evaluated as one.
+        Source("SINGLE_PROP", "OBJECT", target, settings),
         Source("TRANSFORMS", "OBJECT", target, ""),
-        Source("TRANSFORMS", "OBJECT", rig, ""),
+        *shape_key_sources(target.data.shape_keys),
     ]
-    sources += [Source("TRANSFORMS", "OBJECT", rig, name) for name in bone_names]
-    keys = target.data.shape_keys
-    if keys is not None:
-        names = (bpy.utils.escape_identifier(key.name) for key in keys.key_blocks[1:])
-        sources += [Source("SINGLE_PROP", "KEY", keys, f'key_blocks["{name}"].value') for name in names]
+
+
+def bone_sources(rig: bpy.types.Object, bone_names: Iterable[str]) -> list[Source]:
+    """Where an armature and its bones stand."""
+    return [Source("TRANSFORMS", "OBJECT", rig, name) for name in ("", *bone_names)]
+
+
+def curve_sources(curve: bpy.types.Object) -> list[Source]:
+    """Where a curve object and the holders of its hooks stand, and what animates its control points."""
+    sources = [
+        Source("TRANSFORMS", "OBJECT", curve, ""),
+        Source("SINGLE_PROP", "CURVE", curve.data, "use_path"),
+        *shape_key_sources(curve.data.shape_keys),
+    ]
+    for modifier in curve.modifiers:
+        if modifier.type == "HOOK" and modifier.object is not None:
+            sources.append(Source("TRANSFORMS", "OBJECT", modifier.object, modifier.subtarget))
     return sources
+
+
+def shape_key_sources(keys: bpy.types.Key | None) -> list[Source]:
+    """Values of all keys but the reference."""
+    if keys is None:
+        return []
+    names = (bpy.utils.escape_identifier(key.name) for key in keys.key_blocks[1:])
+    return [Source("SINGLE_PROP", "KEY", keys, f'key_blocks["{name}"].value') for name in names]
 
 
 def _source(variable: bpy.types.DriverVariable) -> Source:

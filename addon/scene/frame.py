@@ -29,10 +29,11 @@ def read_frame(target: bpy.types.Object) -> FrameInputs:
     if armature is None or armature.object is None:
         raise FrameError(stack.obstacle(target) or "No armature")
     rig = armature.object
-    return FrameInputs(_read_pose(rig), placement.object_from_armature(target, rig), shape_keys.read_values(target))
+    return FrameInputs(read_pose(rig), placement.object_from_armature(target, rig), shape_keys.read_values(target))
 
 
-def _read_pose(rig: bpy.types.Object) -> NDArray[np.float32]:
+def read_pose(rig: bpy.types.Object) -> NDArray[np.float32]:
+    """(P, 4, 4) as in `FrameInputs`."""
     columns = np.empty((len(rig.pose.bones), 4, 4), np.float32)
     rig.pose.bones.foreach_get("matrix_channel", columns.ravel())
     return columns.transpose(0, 2, 1)

@@ -1,17 +1,28 @@
-"""The node group of the modifier: adds the carrier's offset to each vertex.
+"""The node groups of the modifiers: each adds its carrier's offset to each vertex.
 
-Its graph adds nothing where the carrier has another number of vertices than the geometry (changed topology), and
-nothing where the Armature modifier is off, in the viewport and in renders apart.
+The graph adds nothing where the carrier has another number of vertices than the geometry (changed topology), and
+nothing where it is switched off, in the viewport and in renders apart: where the Armature is that it corrects.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import bpy
 
-GROUP_NAME = "Turgor Volume"
+
+class Kind(NamedTuple):
+    """A modifier of ours."""
+
+    label: str  # of the modifier and of its node group
+    mark: str  # custom property that marks the group; its value is the version of the graph below
+
+
+VOLUME = Kind("Turgor Volume", "turgor_graph")
+SPINE = Kind("Turgor Spine", "turgor_spine")
+KINDS = {"VOLUME": VOLUME, "SPINE": SPINE}
+
 TICK_GROUP_NAME = "Turgor Tick"
-# Custom properties that mark a group of ours; the value is the version of the graph below.
-MARK = "turgor_graph"
 TICK_MARK = "turgor_tick"
 GRAPH_VERSION = 1
 
@@ -21,21 +32,21 @@ OFFSET_ATTRIBUTE = "turgor_offset"
 GEOMETRY, STRENGTH, CARRIER, IN_VIEWPORT, IN_RENDER = ("Socket_1", "Socket_2", "Socket_3", "Socket_4", "Socket_5")
 
 
-def is_volume_group(group: bpy.types.NodeTree | None) -> bool:
-    """Whether the extension wrote the group."""
-    return group is not None and MARK in group
+def is_of_kind(group: bpy.types.NodeTree | None, kind: Kind) -> bool:
+    """Whether the extension wrote the group, for this modifier."""
+    return group is not None and kind.mark in group
 
 
 def exists() -> bool:
     """Whether anything of ours can be in the file."""
-    return any(MARK in group for group in bpy.data.node_groups)
+    return any(kind.mark in group for group in bpy.data.node_groups for kind in KINDS.values())
 
 
-def ensure() -> bpy.types.GeometryNodeTree:
+def ensure(kind: Kind) -> bpy.types.GeometryNodeTree:
     """The local group, written when the file has none."""
-    group = _local_group(MARK)
+    group = _local_group(kind.mark)
     if group is None:
-        group = _new_group(GROUP_NAME, MARK)
+        group = _new_group(kind.label, kind.mark)
         _write_interface(group)
         _write_graph(group)
     return group
@@ -69,7 +80,8 @@ def _new_group(name: str, mark: str) -> bpy.types.GeometryNodeTree:
 
 def remove_unused() -> None:
     """Local groups of ours that no modifier uses."""
-    for group in [group for group in bpy.data.node_groups if MARK in group or TICK_MARK in group]:
+    marks = {TICK_MARK, *(kind.mark for kind in KINDS.values())}
+    for group in [group for group in bpy.data.node_groups if marks.intersection(group.keys())]:
         if group.library is None and group.users == 0:
             bpy.data.node_groups.remove(group)
 
@@ -77,13 +89,13 @@ def remove_unused() -> None:
 def _write_interface(group: bpy.types.GeometryNodeTree) -> None:
     new_socket = group.interface.new_socket
     strength = new_socket("Strength", in_out="INPUT", socket_type="NodeSocketFloat")
-    strength.description = "Part of the correction to show; 0 is plain skinning"
+    strength.description = "Part of the effect to show; 0 is the mesh without it"
     strength.subtype = "FACTOR"
     strength.structure_type = "SINGLE"
     strength.force_non_field = True
     strength.min_value, strength.max_value, strength.default_value = 0.0, 1.0, 1.0
     hidden = [new_socket("Carrier", in_out="INPUT", socket_type="NodeSocketObject")]
-    for name in ("Armature in Viewport", "Armature in Render"):
+    for name in ("On in Viewport", "On in Render"):
         socket = new_socket(name, in_out="INPUT", socket_type="NodeSocketBool")
         socket.default_value = True
         hidden.append(socket)
@@ -113,7 +125,7 @@ def _write_graph(group: bpy.types.GeometryNodeTree) -> None:
     carrier_count = node("GeometryNodeAttributeDomainSize", 2, 1, component="MESH")
     counts_agree = node("FunctionNodeCompare", 3, 1, data_type="INT", operation="EQUAL")
     is_viewport = node("GeometryNodeIsViewport", 1, 5)
-    armature_is_on = node("GeometryNodeSwitch", 2, 5, input_type="BOOLEAN")
+    is_on = node("GeometryNodeSwitch", 2, 5, input_type="BOOLEAN")
     is_live = node("FunctionNodeBooleanMath", 4, 2, operation="AND")
     factor = node("GeometryNodeSwitch", 5, 2, input_type="FLOAT")
     scaled = node("ShaderNodeVectorMath", 6, 2, operation="SCALE")
@@ -128,11 +140,11 @@ def _write_graph(group: bpy.types.GeometryNodeTree) -> None:
     link(index.outputs["Index"], sample.inputs["Index"])
     link(own_count.outputs["Point Count"], _enabled(counts_agree.inputs, "A"))
     link(carrier_count.outputs["Point Count"], _enabled(counts_agree.inputs, "B"))
-    link(is_viewport.outputs["Is Viewport"], armature_is_on.inputs["Switch"])
-    link(given[IN_RENDER], _enabled(armature_is_on.inputs, "False"))
-    link(given[IN_VIEWPORT], _enabled(armature_is_on.inputs, "True"))
+    link(is_viewport.outputs["Is Viewport"], is_on.inputs["Switch"])
+    link(given[IN_RENDER], _enabled(is_on.inputs, "False"))
+    link(given[IN_VIEWPORT], _enabled(is_on.inputs, "True"))
     link(counts_agree.outputs["Result"], is_live.inputs[0])
-    link(_enabled(armature_is_on.outputs, "Output"), is_live.inputs[1])
+    link(_enabled(is_on.outputs, "Output"), is_live.inputs[1])
     link(is_live.outputs["Boolean"], factor.inputs["Switch"])
     link(given[STRENGTH], _enabled(factor.inputs, "True"))
     link(_enabled(sample.outputs, "Value"), scaled.inputs[0])

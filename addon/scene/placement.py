@@ -17,7 +17,7 @@ class PlacementError(ValueError):
 
 
 def object_from_armature(target: bpy.types.Object, rig: bpy.types.Object) -> NDArray[np.float64]:
-    """(4, 4) as both stand now."""
+    """(4, 4) as both stand now; the same for a curve."""
     try:
         object_from_world = np.linalg.inv(np.array(target.matrix_world, np.float64))
     except np.linalg.LinAlgError:
@@ -25,15 +25,16 @@ def object_from_armature(target: bpy.types.Object, rig: bpy.types.Object) -> NDA
     return object_from_world @ np.array(rig.matrix_world, np.float64)
 
 
-def bound_object_from_armature(target: bpy.types.Object) -> NDArray[np.float64] | None:
-    """(4, 4) as saved; None when nothing was saved."""
-    saved = np.array(target.turgor.bound_placement, np.float64).reshape(4, 4)
+def bound_object_from_armature(settings: bpy.types.PropertyGroup) -> NDArray[np.float64] | None:
+    """(4, 4) as saved in an object's `turgor` or `turgor_spine`; None when nothing was saved."""
+    saved = np.array(settings.bound_placement, np.float64).reshape(4, 4)
     return saved if saved.any() else None
 
 
-def save(target: bpy.types.Object, rig: bpy.types.Object) -> None:
-    """Bind with the armature where it stands now."""
+def save(settings: bpy.types.PropertyGroup, rig: bpy.types.Object) -> None:
+    """Bind with the armature, or the curve, where it stands now."""
+    target = settings.id_data
     matrix = object_from_armature(target, rig)
     if not np.isfinite(matrix).all() or np.linalg.det(matrix) == 0.0:
         raise PlacementError(f"{rig.name} is scaled to zero or stands nowhere: correct its transform and press Rebind")
-    target.turgor.bound_placement = matrix.ravel()
+    settings.bound_placement = matrix.ravel()

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from . import carrier, drivers, node_group, rest, stack
+from . import carrier, drivers, node_group, rest
 
 
 class Reading(NamedTuple):
@@ -27,10 +27,10 @@ def read_probe() -> Reading:
     holder = carrier.create(probe)
     try:
         scene.collection.objects.link(probe)
-        probe.modifiers.new(stack.MODIFIER_NAME, "NODES").node_group = node_group.ensure()
+        probe.modifiers.new(node_group.VOLUME.label, "NODES").node_group = node_group.ensure(node_group.VOLUME)
         carrier.assign(probe, holder)
         carrier.resize(holder, 1)
-        drivers.write_tick(holder, probe, ())
+        drivers.write_tick(holder, ())
         view_layer = scene.view_layers[0]
         view_layer.update()
         evaluated = probe.evaluated_get(view_layer.depsgraph).data

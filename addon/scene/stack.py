@@ -8,8 +8,6 @@ import bpy
 
 from . import modifier_inputs, node_group, skeleton
 
-MODIFIER_NAME = "Turgor Volume"
-
 # They shape the mesh by something that may move or that only exists while playing: what stands before the Armature
 # must be the same on every frame.
 MOVING_TYPES = frozenset(
@@ -31,12 +29,17 @@ LINEAR_TYPES = frozenset(
 )
 
 
-def volume_modifier(ob: bpy.types.Object) -> bpy.types.NodesModifier | None:
-    """Ours, the first in the stack."""
+def own_modifier(ob: bpy.types.Object, kind: node_group.Kind) -> bpy.types.NodesModifier | None:
+    """Ours of this kind, the first in the stack."""
     for modifier in ob.modifiers:
-        if modifier.type == "NODES" and node_group.is_volume_group(modifier.node_group):
+        if modifier.type == "NODES" and node_group.is_of_kind(modifier.node_group, kind):
             return modifier
     return None
+
+
+def volume_modifier(ob: bpy.types.Object) -> bpy.types.NodesModifier | None:
+    """Turgor Volume."""
+    return own_modifier(ob, node_group.VOLUME)
 
 
 def armature_modifier(ob: bpy.types.Object) -> bpy.types.ArmatureModifier | None:
@@ -71,29 +74,30 @@ def obstacle(ob: bpy.types.Object) -> str | None:
             return "No Armature modifier right before Turgor Volume: move Turgor Volume directly below it"
         return "No Armature modifier: give the mesh one (Object > Parent > Armature Deform)"
     return (
-        _armature_obstacle(ob, armature)
+        armature_obstacle(ob, armature)
         or _rig_obstacle(ob, armature)
         or _earlier_obstacle(ob, armature)
         or _later_obstacle(ob, armature)
     )
 
 
-def render_difference(ob: bpy.types.Object) -> str | None:
-    """What makes the stack before the Armature another mesh in renders, where it then stays as skinned."""
-    armature = armature_modifier(ob)
-    if armature is None:
+def render_difference(
+    ob: bpy.types.Object, end: bpy.types.Modifier | None, shown: str = "plain skinning"
+) -> str | None:
+    """What makes the stack before `end` another mesh in renders, where then only `shown` is seen."""
+    if end is None:
         return None
-    for modifier in modifiers_before(ob, armature):
+    for modifier in modifiers_before(ob, end):
         if modifier.show_viewport != modifier.show_render:
-            return f"{modifier.name} is on in the viewport or in renders only: renders show plain skinning"
+            return f"{modifier.name} is on in the viewport or in renders only: renders show {shown}"
         in_viewport, in_render = _detail(modifier)
         if in_viewport != in_render:
             return (
                 f"{modifier.name} has other levels in renders ({in_render}) than in the viewport ({in_viewport}):"
-                " make them equal, or renders show plain skinning"
+                f" make them equal, or renders show {shown}"
             )
         if modifier.type == "NODES" and _has_node(modifier.node_group, VIEWPORT_NODES):
-            return f"{modifier.name} asks whether it is in the viewport: renders show plain skinning"
+            return f"{modifier.name} asks whether it is in the viewport: renders show {shown}"
     return None
 
 
@@ -114,14 +118,15 @@ def _most_levels() -> tuple[int, int]:
     return render.simplify_subdivision, render.simplify_subdivision_render
 
 
-def _armature_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> str | None:
+def armature_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> str | None:
+    """What this Armature modifier does that is not followed."""
     if armature.object is None or armature.object.type != "ARMATURE":
         return f"Modifier {armature.name} has no armature object: choose one"
     if armature.use_multi_modifier:
         return f"{armature.name} uses Multi Modifier, which blends two armatures: turn it off"
     if armature.use_bone_envelopes or not armature.use_vertex_groups:
         return f"{armature.name} deforms by bone envelopes: use vertex groups only"
-    if _is_animated(ob, armature, but=_FOLLOWED):
+    if is_animated(ob, armature, but=_FOLLOWED):
         return f"{armature.name} has animated settings: remove their keyframes and drivers"
     keys = ob.data.shape_keys
     if keys is not None and not keys.use_relative:
@@ -145,9 +150,9 @@ def _earlier_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier
     for modifier in modifiers_before(ob, armature):
         if modifier.type == "ARMATURE":
             return f"{modifier.name} deforms before {armature.name}: only one Armature is supported, turn one off"
-        if modifier.type in MOVING_TYPES or _moves(modifier):
+        if moves(modifier):
             return f"{modifier.name} can move the mesh before the Armature: move it after Turgor Volume"
-        if _is_animated(ob, modifier):
+        if is_animated(ob, modifier):
             return f"{modifier.name} is animated before the Armature: move it after Turgor Volume"
         if has_shape_keys and modifier.type not in LINEAR_TYPES:
             return f"{modifier.name} changes shape keys before the Armature: apply it, or move it after Turgor Volume"
@@ -168,7 +173,10 @@ def later_armatures(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) 
             yield later
 
 
-def _moves(modifier: bpy.types.Modifier) -> bool:
+def moves(modifier: bpy.types.Modifier) -> bool:
+    """Whether it makes a mesh that may be another on every frame."""
+    if modifier.type in MOVING_TYPES:
+        return True
     if modifier.type == "MASK":
         return modifier.mode == "ARMATURE"
     return modifier.type == "NODES" and _has_node(modifier.node_group, MOVING_NODES)
@@ -184,7 +192,8 @@ def _has_node(tree: bpy.types.NodeTree | None, kinds: frozenset[str]) -> bool:
 _FOLLOWED = frozenset({"show_viewport", "show_render"})
 
 
-def _is_animated(ob: bpy.types.Object, modifier: bpy.types.Modifier, but: frozenset[str] = frozenset()) -> bool:
+def is_animated(ob: bpy.types.Object, modifier: bpy.types.Modifier, but: frozenset[str] = frozenset()) -> bool:
+    """Whether any of its settings has keyframes or a driver, `but` for these."""
     prefix = f'modifiers["{bpy.utils.escape_identifier(modifier.name)}"]'
     paths = (path for path in animated_paths(ob.animation_data) if path.startswith(prefix))
     return any(path.removeprefix(f"{prefix}.") not in but for path in paths)
@@ -223,15 +232,18 @@ def signature(ob: bpy.types.Object) -> tuple[object, ...]:
         read += [(later.name, later.show_viewport, later.show_render) for later in later_armatures(ob, armature)]
     if keys is not None:
         read += [keys.use_relative, [(key.name, key.relative_key.name, key.vertex_group) for key in keys.key_blocks]]
-    read.append(_most_levels())
-    for modifier in ob.modifiers:
-        read.append(_settings(modifier))
-        if modifier == armature:
-            break
-    return tuple(read)
+    return (*read, *settings_before(ob, armature), [] if armature is None else settings_of(armature))
 
 
-def _settings(modifier: bpy.types.Modifier) -> list[object]:
+def settings_before(ob: bpy.types.Object, end: bpy.types.Modifier | None) -> list[object]:
+    """Settings of all modifiers before `end`."""
+    modifiers = list(ob.modifiers)
+    before = modifiers if end is None else modifiers[: modifiers.index(end)]
+    return [_most_levels(), *(settings_of(modifier) for modifier in before)]
+
+
+def settings_of(modifier: bpy.types.Modifier) -> list[object]:
+    """Plain values of all settings of a modifier; other data by its uid."""
     found: list[object] = [modifier.name]
     for prop in modifier.bl_rna.properties:
         if prop.identifier in _NOT_SETTINGS or prop.type == "COLLECTION":

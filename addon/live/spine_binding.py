@@ -1,0 +1,234 @@
+"""Binding a body to its spine: the stack before Turgor Spine is read once. On the main thread only.
+
+As with Turgor Volume, bound engines are never saved, and the same file gives the same binding in every session.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+import turgor
+from numpy.typing import NDArray
+from turgor import TurgorError
+
+from .. import runtime
+from ..logic import fingerprint, flesh, weights
+from ..scene import (
+    carrier,
+    drivers,
+    modifier_inputs,
+    node_group,
+    placement,
+    rest,
+    skeleton,
+    spine_chain,
+    spine_curve,
+    spine_stack,
+    stack,
+)
+
+
+class Limb(NamedTuple):
+    """Bones of the chain that skin the body."""
+
+    pose_indices: NDArray[np.int32]
+
+
+class Bound(NamedTuple):
+    """A body and its spine at rest, in the spine's own space."""
+
+    flesh: flesh.Flesh
+    content: str  # fingerprint of the body that was bound
+    placement: NDArray[np.float64]  # (4, 4) object_from_spine that was bound
+    chain: tuple[str, ...]  # names of its bones; empty for curves
+    rest_bones: tuple[NDArray[np.float64], NDArray[np.float64]] | None  # `spine_chain.read_rest`
+    rest_curve: spine_curve.SplinePoints | None
+    limb: Limb | None
+    chosen: tuple[object, ...]  # `spine_stack.chosen`
+
+
+class BindError(ValueError):
+    """Why the body cannot follow, and what to do."""
+
+
+def is_editable(ob: bpy.types.Object) -> bool:
+    """Local, or a library override: what is written will be saved."""
+    return ob.library is None
+
+
+def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
+    """Bind, or leave a problem for the panel and the log and the mesh as Blender shows it.
+
+    accept_topology: the artist agrees that the mesh has other vertices or faces than when it was bound.
+    """
+    known = runtime.spine(target.session_uid)
+    known.needs_rebind = False
+    known.signature = spine_stack.signature(target)
+    problem = None
+    try:
+        with runtime.quiet():
+            bound = _bind(target, known, accept_topology)
+    except (BindError, rest.ShapeKeyTopologyError, placement.PlacementError, TurgorError) as error:
+        bound, problem = None, str(error)
+    known.body = bound
+    difference = stack.render_difference(target, spine_stack.rest_end(target), "the body without its spine")
+    known.notes = () if difference is None else (difference,)
+    if is_editable(target) and target.override_library is None:
+        _set_switches(target, is_same=difference is None)
+    runtime.set_problem(known, target.name, problem)
+    holder = carrier.carrier_of(target, node_group.SPINE)
+    if holder is not None:
+        holder.turgor.carrier.mesh.update_tag()
+
+
+def take_rest(target: bpy.types.Object) -> None:
+    """Let the curve as it is now, and where it stands, be the rest of the body."""
+    saved = target.turgor_spine
+    saved.property_unset("bound_placement")
+    before = saved.bound_curve
+    if saved.source == "CURVE" and saved.curve is not None:
+        copy = saved.bound_curve = saved.curve.data.copy()
+        copy.name = f"Turgor Rest {saved.curve.name}"
+        _freeze(copy, saved.curve)
+    else:
+        saved.bound_curve = None
+    if before is not None and before.users == 0:
+        bpy.data.curves.remove(before)
+
+
+def _freeze(copy: bpy.types.Curve, source: bpy.types.Object) -> None:
+    """What shape keys and hooks make of the curve now becomes the copy's own."""
+    evaluated = source.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    read = spine_curve.read_posed(evaluated)
+    if copy.shape_keys is not None:
+        user = bpy.data.objects.new(copy.name, copy)
+        user.shape_key_clear()
+        bpy.data.objects.remove(user)
+    copy.animation_data_clear()
+    spine_curve.write_curve(copy, read)
+
+
+def _bind(target: bpy.types.Object, known: runtime.Character, accept_topology: bool) -> Bound:
+    obstacle = spine_stack.obstacle(target)
+    if obstacle is not None:
+        raise BindError(obstacle)
+    holder = carrier.carrier_of(target, node_group.SPINE)
+    if runtime.session.route == "PUSH" and holder is not None and holder.data.library is not None:
+        raise BindError("The body is linked with its offsets, which push cannot write: choose pull in the preferences")
+    saved = target.turgor_spine
+    read = rest.read_rest(target, spine_stack.rest_end(target), saved.bound_frame)
+    if not len(read.positions):
+        raise BindError("The mesh has no vertices before Turgor Spine: give it some")
+    _check_topology(target, known, read, accept_topology)
+    spine = saved.rig if saved.source == "BONES" else saved.curve
+    limb = spine_stack.limb_modifier(target)
+    group_names = [group.name for group in target.vertex_groups]
+    groups = (read.weight_offsets, read.weight_groups, read.weights)
+    influence = np.ones(len(read.positions))
+    if saved.vertex_group in group_names:
+        group = group_names.index(saved.vertex_group)
+        influence = weights.vertex_mask(*groups, group, saved.invert_vertex_group).astype(np.float64)
+    chain = rest_bones = None
+    if saved.source == "BONES":
+        chain = spine_chain.chain_names(saved.rig, saved.first_bone, saved.last_bone)
+        rest_bones = spine_chain.read_rest(saved.rig, chain)
+    elif saved.bound_curve is None and is_editable(target):
+        take_rest(target)
+    held, limb_bones = _limb(target, limb, chain, read, group_names)
+    content = fingerprint.fingerprint(
+        [*read, influence, *(held.weights[None] if held is not None else ())],
+        saved.rig and saved.rig.session_uid,
+        limb is not None and (limb.use_deform_preserve_volume, limb.vertex_group, limb.invert_vertex_group),
+    )
+    before: Bound | None = known.body
+    if before is not None and before.content == content and held is None:
+        body = before.flesh
+    else:
+        body = flesh.Flesh(read.positions, read.face_offsets, read.face_corners, read.shape_deltas, influence, held)
+    place = placement.bound_object_from_armature(saved)
+    if place is None:
+        if is_editable(target):
+            placement.save(saved, spine)
+        place = placement.object_from_armature(target, spine)
+    if is_editable(target):
+        _prepare_scene(target, spine, chain or (), limb_bones, body)
+    rest_curve = None if saved.bound_curve is None else spine_curve.read_curve(saved.bound_curve)
+    indices = None if limb_bones is None else Limb(limb_bones.pose_indices)
+    return Bound(body, content, place, chain or (), rest_bones, rest_curve, indices, spine_stack.chosen(saved))
+
+
+def _limb(
+    target: bpy.types.Object,
+    armature: bpy.types.ArmatureModifier | None,
+    chain: tuple[str, ...] | None,
+    read: rest.RestMesh,
+    group_names: list[str],
+) -> tuple[flesh.Limb | None, skeleton.RestBones | None]:
+    """What the chain's own weights hold; None where no Armature skins the body first."""
+    if armature is None or chain is None:
+        return None, None
+    bones = skeleton.read_bones(armature.object, group_names)
+    groups = (read.weight_offsets, read.weight_groups, read.weights)
+    deform = {name: index for index, name in enumerate(bones.names) if bones.is_deform[index]}
+    in_chain = {name: index for name, index in deform.items() if name in chain}
+    if not in_chain:
+        raise BindError("No vertex group is named after a bone of the chain: assign weights, or turn the Armature off")
+    mine = weights.bone_weights(*groups, group_names, in_chain)
+    held = weights.sums(mine) / np.maximum(weights.sums(weights.bone_weights(*groups, group_names, deform)), 1e-30)
+    if armature.vertex_group in group_names:
+        group = group_names.index(armature.vertex_group)
+        held = held * weights.vertex_mask(*groups, group, armature.invert_vertex_group)
+    skinning = turgor.Skinning(
+        turgor.Skeleton(bones.parents, bones.rest_matrices),
+        *mine,
+        mode="dual_quaternion" if armature.use_deform_preserve_volume else "linear",
+    )
+    return flesh.Limb(skinning, held), bones
+
+
+def _check_topology(target: bpy.types.Object, known: runtime.Character, read: rest.RestMesh, accept: bool) -> None:
+    found = fingerprint.fingerprint([read.face_offsets, read.face_corners], len(read.positions))
+    saved = target.turgor_spine.bound_topology
+    if found == saved:
+        return
+    if saved and not accept:
+        known.needs_rebind = True
+        raise BindError("Mesh changed: its vertices or faces are others than when it was bound; press Rebind")
+    if is_editable(target):
+        target.turgor_spine.bound_topology = found
+
+
+def _set_switches(target: bpy.types.Object, *, is_same: bool) -> None:
+    """The spine of a limb is on where its Armature is; in renders only where they show the bound mesh."""
+    ours, limb = spine_stack.spine_modifier(target), spine_stack.limb_modifier(target)
+    if ours is None:
+        return
+    if limb is not None:
+        if not drivers.follows(target, ours, limb):
+            drivers.follow_armature(target, ours, limb)
+        drivers.set_in_renders(target, ours, limb, is_same)
+        return
+    drivers.unfollow(target, ours)
+    if modifier_inputs.read_input(ours, node_group.IN_RENDER) != is_same:
+        modifier_inputs.write_input(ours, node_group.IN_RENDER, is_same)
+        target.update_tag()
+
+
+def _prepare_scene(
+    target: bpy.types.Object,
+    spine: bpy.types.Object,
+    chain: tuple[str, ...],
+    limb_bones: skeleton.RestBones | None,
+    body: flesh.Flesh,
+) -> None:
+    holder = carrier.carrier_of(target, node_group.SPINE)
+    if holder is None or not is_editable(holder):
+        return
+    carrier.resize(holder, body.vertex_count)
+    if spine.type == "ARMATURE":
+        names = dict.fromkeys([*chain, *(limb_bones.names if limb_bones is not None else ())])
+        drivers.write_tick(holder, drivers.bone_sources(spine, names))
+    else:
+        drivers.write_tick(holder, drivers.curve_sources(spine))

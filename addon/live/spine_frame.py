@@ -1,0 +1,150 @@
+"""One frame of one fleshed body: evaluated data -> engine -> offsets. Safe on a worker thread; never raises."""
+
+from __future__ import annotations
+
+import ctypes
+from functools import cache
+from time import perf_counter
+
+import bpy
+import numpy as np
+import turgor
+from numpy.typing import NDArray
+
+from .. import runtime
+from ..logic import courses, flesh, splines
+from ..scene import frame, placement, shape_keys, spine_chain, spine_curve, spine_stack
+from .spine_binding import Bound
+
+
+def flesh_frame(target: bpy.types.Object, address: int, vertex_count: int) -> bool:
+    """Flesh the evaluated `target`; offsets, (N, 3) float32, go to `address`. False: offsets must be zero."""
+    original = target.original
+    known = runtime.session.spines.get(original.session_uid)
+    if known is None:
+        runtime.session.waiting.add(original.session_uid)
+        return False
+    bound: Bound | None = known.body
+    if bound is None or bound.flesh.vertex_count != vertex_count:
+        return False
+    if bound.chosen != spine_stack.chosen(target.turgor_spine):
+        runtime.session.waiting.add(original.session_uid)
+        return False
+    try:
+        _flesh(target, known, bound, address)
+    except Exception as error:  # nothing may leave a getter or a handler; the artist reads it in the panel
+        runtime.set_problem(known, original.name, str(error) or repr(error))
+        return False
+    runtime.set_problem(known, original.name, None)
+    return True
+
+
+def _flesh(target: bpy.types.Object, known: runtime.Character, bound: Bound, address: int) -> None:
+    started = perf_counter()
+    saved = target.turgor_spine
+    shape_values = shape_keys.read_values(target)
+    pose_matrices = object_from_armature = None
+    if bound.rest_bones is not None:
+        object_from_armature = placement.object_from_armature(target, saved.rig)
+        read = _Bones(target, bound, object_from_armature)
+        if bound.limb is not None:
+            pose_matrices = np.ascontiguousarray(frame.read_pose(saved.rig)[bound.limb.pose_indices])
+    else:
+        read = _Curve(target, bound)
+    kind = tuple(saved.blend) if saved.kind == "BLEND" else saved.kind.lower()
+    body = bound.flesh.bind(read.key, read.rest, (saved.start, saved.end), kind, read.match, shape_values)
+    pose = _pose(read, body, saved)
+    ready = perf_counter()
+    outcome = bound.flesh.deform(body, pose, saved.keep_volume, pose_matrices, object_from_armature)
+    done = perf_counter()
+    ctypes.memmove(address, outcome.offsets.ctypes.data, outcome.offsets.nbytes)
+    if not runtime.session.is_rendering:
+        rest_volume = 0.0 if body.skin is None else body.skin.rest_volume
+        known.measure = cache(lambda: _figures(outcome, rest_volume))
+        known.timing = runtime.Timing(1e3 * (ready - started), 1e3 * (done - ready), 1e3 * (perf_counter() - done))
+
+
+class _Bones:
+    """A chain of bones, posed."""
+
+    match = "stations"
+
+    def __init__(self, target: bpy.types.Object, bound: Bound, object_from_armature: NDArray[np.float64]) -> None:
+        saved = target.turgor_spine
+        self._course: courses.Course = "joints" if saved.course == "JOINTS" else "bones"
+        self._use_roll = saved.use_roll
+        matrices, tail = bound.rest_bones
+        # Skin of a limb follows its armature wherever that stands; a body without one was bound where it stood.
+        place = bound.placement if bound.limb is None else object_from_armature
+        self._rest = _chain(place, matrices, tail)
+        self._posed = _chain(object_from_armature, *spine_chain.read_posed(saved.rig, bound.chain))
+        self._at = courses.stations(len(self._rest.joints), self._course, saved.bend_width)
+        self.key = (*(part.tobytes() for part in self._rest), self._course, saved.bend_width)
+
+    def rest(self) -> turgor.Spine:
+        return courses.rest_spine(self._rest, self._at, self._course)
+
+    def posed(self, rest: turgor.Spine) -> tuple[turgor.Spine, NDArray[np.float64]]:
+        """The spine, and the angle at each of its stations."""
+        posed = courses.posed_spine(rest, self._posed, self._at)
+        if not self._use_roll:
+            return posed, np.zeros(posed.station_count)
+        return posed, courses.rolls(rest, posed, self._rest, self._posed, self._at)
+
+
+class _Curve:
+    """A curve object, as it is now."""
+
+    def __init__(self, target: bpy.types.Object, bound: Bound) -> None:
+        saved = target.turgor_spine
+        if saved.curve is None:
+            raise ValueError("The curve is gone: choose another")
+        self._saved = saved
+        self._box = bound.flesh.box
+        self._rest_points = bound.rest_curve.moved(bound.placement)
+        self._posed_points = spine_curve.read_posed(saved.curve).moved(
+            placement.object_from_armature(target, saved.curve)
+        )
+        self.key = (saved.rest, self._rest_points.plain())
+        is_alike = len(self._rest_points.points) == len(self._posed_points.points)
+        self.match = "length" if saved.rest != "CURVE" else "stations" if is_alike else "relative_length"
+
+    def rest(self) -> turgor.Spine:
+        if self._saved.rest != "CURVE":
+            return splines.axis_spine(self._box, "XYZ".index(self._saved.rest))
+        return splines.spline(*self._rest_points[:5], *self._rest_points[6:])
+
+    def posed(self, rest: turgor.Spine) -> tuple[turgor.Spine, NDArray[np.float64]]:
+        """The spine, and the tilt at each of its stations."""
+        resolution = rest.resolution if self._saved.rest == "CURVE" else None
+        posed = splines.spline(*self._posed_points[:5], *self._posed_points[6:], resolution=resolution)
+        tilts = self._posed_points.tilts
+        if self.match == "stations":
+            tilts = tilts - self._rest_points.tilts
+        return posed, splines.at_stations(tilts, posed) + splines.first_angle(rest, posed)
+
+
+def _pose(read: _Bones | _Curve, body: flesh.Bound, saved: bpy.types.PropertyGroup) -> flesh.Pose:
+    posed, angles = read.posed(body.rest)
+    within = body.fleshing.rest_spine
+    parts = within.station_lengths / within.length
+    if read.match == "stations":
+        angles = np.interp(within.station_parameters, posed.station_parameters, angles)
+        posed = splines.trimmed(posed, saved.start, saved.end)
+    else:
+        angles = np.interp(parts, posed.station_lengths / posed.length, angles)
+    twist = angles + courses.grown(saved.twist_start, saved.twist, parts)
+    return flesh.Pose(posed, twist, saved.slide, saved.stretch)
+
+
+def _chain(place: NDArray[np.float64], matrices: NDArray[np.float64], tail: NDArray[np.float64]) -> courses.Chain:
+    return courses.chain_of(place @ matrices, place[:3, :3] @ tail + place[:3, 3])
+
+
+def _figures(outcome: flesh.Outcome, rest_volume: float) -> runtime.SpineFigures:
+    def deviation(volume: float | None) -> float | None:
+        return None if volume is None or rest_volume == 0.0 else 100.0 * (volume / rest_volume - 1.0)
+
+    return runtime.SpineFigures(
+        len(outcome.offsets), outcome.clamped_count, deviation(outcome.fleshed_volume), deviation(outcome.kept_volume)
+    )

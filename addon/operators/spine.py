@@ -1,0 +1,122 @@
+"""Turgor Spine: add it, bind again, take a new rest, remove it."""
+
+from __future__ import annotations
+
+import bpy
+
+from .. import runtime, spine_properties
+from ..live import push, route, spine_binding, spine_housekeeping
+from ..scene import spine_chain, spine_stack
+
+
+class OBJECT_OT_turgor_spine_add(bpy.types.Operator):
+    bl_idname = "object.turgor_spine_add"
+    bl_label = "Turgor Spine"
+    bl_description = "Bend the active mesh along a chain of bones or a curve, every chunk of it keeping its volume"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        ob = context.object
+        if context.mode not in {"OBJECT", "POSE"}:
+            cls.poll_message_set("Leave the edit or paint mode first")
+            return False
+        body = _body(context)
+        if body is None:
+            cls.poll_message_set("Select a mesh")
+            return False
+        if body.library is not None:
+            cls.poll_message_set("The object is linked: make a library override first")
+            return False
+        if spine_stack.spine_modifier(body) is not None:
+            cls.poll_message_set("The object has Turgor Spine already")
+            return False
+        return ob is not None
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        body = _body(context)
+        with runtime.quiet():
+            route.choose()
+            _choose_spine(context, body)
+            spine_housekeeping.add(body)
+            depsgraph = context.evaluated_depsgraph_get()
+            if runtime.session.route == "PUSH":
+                push.write_all(depsgraph)
+        problem = runtime.spine(body.session_uid).problem
+        if problem is not None:
+            self.report({"WARNING"}, f"{body.name}: {problem}")
+        return {"FINISHED"}
+
+
+class OBJECT_OT_turgor_spine_rebind(bpy.types.Operator):
+    bl_idname = "object.turgor_spine_rebind"
+    bl_label = "Rebind"
+    bl_description = "Read the mesh again, and take the spine as it rests now: bones in rest, the curve as it is"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _has_own(cls, context)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        ob = context.object
+        ob.turgor_spine.bound_frame = context.scene.frame_current
+        with runtime.quiet():
+            spine_binding.take_rest(ob)
+        spine_binding.bind(ob, accept_topology=True)
+        return {"FINISHED"}
+
+
+class OBJECT_OT_turgor_spine_remove(bpy.types.Operator):
+    bl_idname = "object.turgor_spine_remove"
+    bl_label = "Remove Turgor Spine"
+    bl_description = "Remove Turgor Spine from the active mesh, with its settings and all that it made"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _has_own(cls, context)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        with runtime.quiet():
+            spine_housekeeping.remove(context.object)
+        return {"FINISHED"}
+
+
+def draw(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
+    menu.layout.operator(OBJECT_OT_turgor_spine_add.bl_idname, icon="CURVE_BEZCURVE")
+
+
+def _body(context: bpy.types.Context) -> bpy.types.Object | None:
+    """The active mesh; in pose mode, or with the spine active, the only selected one."""
+    if context.object is not None and context.object.type == "MESH":
+        return context.object
+    meshes = [ob for ob in context.selected_objects if ob.type == "MESH"]
+    return meshes[0] if len(meshes) == 1 else None
+
+
+def _has_own(operator: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    ob = context.object
+    if ob is None or ob.library is not None or ob.type != "MESH" or spine_stack.spine_modifier(ob) is None:
+        operator.poll_message_set("The active object has no Turgor Spine of its own")
+        return False
+    if ob.mode not in {"OBJECT", "POSE"}:
+        operator.poll_message_set("Leave the edit or paint mode first")
+        return False
+    return True
+
+
+def _choose_spine(context: bpy.types.Context, body: bpy.types.Object) -> None:
+    """What is selected with the body, else the armature that bends it, else nothing yet."""
+    saved = body.turgor_spine
+    saved.version = spine_properties.DATA_VERSION
+    others = [ob for ob in (*context.selected_objects, context.object) if ob not in {None, body}]
+    curves = [ob for ob in others if ob.type == "CURVE"]
+    rigs = [ob for ob in others if ob.type == "ARMATURE"]
+    rigs += [m.object for m in body.modifiers if m.type == "ARMATURE" and m.object is not None]
+    if curves:
+        saved.source, saved.curve = "CURVE", curves[0]
+    elif rigs:
+        saved.source, saved.rig = "BONES", rigs[0]
+        chosen = [bone.name for bone in context.selected_pose_bones or () if bone.id_data == rigs[0]]
+        saved.first_bone, saved.last_bone = spine_chain.suggest(rigs[0], chosen)

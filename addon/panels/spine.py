@@ -1,0 +1,142 @@
+"""Turgor Spine in the modifier tab: the spine, the flesh, the readout, the state."""
+
+from __future__ import annotations
+
+import bpy
+
+from .. import runtime
+from .percent import signed_percent
+from .text import draw_wrapped
+
+PARENT_PANEL = "TURGOR_PT_spine"
+BLEND_NAMES = ("Radial", "Normal", "Binormal")
+# An error from here on is rounded roughly.
+VISIBLE_PERCENT = 0.005
+
+
+class TURGOR_PT_spine(bpy.types.Panel):
+    bl_label = "Turgor Spine"
+    bl_idname = PARENT_PANEL
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "modifier"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _has_spine(context.object)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        ob = context.object
+        known = runtime.session.spines.get(ob.session_uid, runtime.Character())
+        _draw_problem(self.layout, context, known)
+        _draw_readout(self.layout, context, known)
+        for note in known.notes:
+            draw_wrapped(self.layout, context, note, "INFO")
+        _draw_source(self.layout, ob.turgor_spine)
+        _draw_flesh(self.layout, ob)
+
+
+class TURGOR_PT_spine_settings(bpy.types.Panel):
+    bl_label = "Reach and Rest"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "modifier"
+    bl_parent_id = PARENT_PANEL
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _has_spine(context.object)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        ob = context.object
+        saved = ob.turgor_spine
+        column = self.layout.column()
+        column.use_property_split = True
+        reach = column.column(align=True)
+        reach.prop(saved, "start", slider=True)
+        reach.prop(saved, "end", slider=True)
+        group = column.row(align=True)
+        group.prop_search(saved, "vertex_group", ob, "vertex_groups")
+        group.prop(saved, "invert_vertex_group", text="", icon="ARROW_LEFTRIGHT")
+        buttons = self.layout.row(align=True)
+        buttons.operator("object.turgor_spine_rebind", icon="FILE_REFRESH")
+        buttons.operator("object.turgor_spine_remove", text="Remove", icon="X")
+        known = runtime.session.spines.get(ob.session_uid)
+        if known is not None and known.timing is not None:
+            line = self.layout.row()
+            line.active = False
+            line.label(text=f"{known.timing.total:.2f} ms per frame")
+
+
+def _has_spine(ob: bpy.types.Object | None) -> bool:
+    return ob is not None and ob.type == "MESH" and ob.turgor_spine.version > 0
+
+
+def _draw_problem(layout: bpy.types.UILayout, context: bpy.types.Context, known: runtime.Character) -> None:
+    if known.problem is None:
+        return
+    box = layout.box()
+    box.alert = True
+    draw_wrapped(box, context, known.problem, "ERROR")
+    if known.needs_rebind:
+        button = box.row()
+        button.alert = False
+        button.operator("object.turgor_spine_rebind", icon="FILE_REFRESH")
+
+
+def _draw_readout(layout: bpy.types.UILayout, context: bpy.types.Context, known: runtime.Character) -> None:
+    figures = known.figures
+    if figures is None:
+        return
+    column = layout.box().column(align=True)
+    if figures.kept_deviation is not None:
+        line = column.row()
+        line.alignment = "CENTER"
+        digits = 2 if abs(figures.kept_deviation) >= VISIBLE_PERCENT else 4
+        line.label(text=f"Volume error {signed_percent(figures.kept_deviation, digits)}")
+        if figures.fleshed_deviation != figures.kept_deviation:
+            line = column.row()
+            line.alignment = "CENTER"
+            line.active = False
+            line.label(text=f"of the fleshing alone {signed_percent(figures.fleshed_deviation, 4)}")
+    if figures.clamped_count:
+        count = figures.clamped_count
+        text = f"{count:,} of {figures.point_count:,} vertices lie too far inside a bend and are held back there"
+        draw_wrapped(column, context, text, "ERROR")
+
+
+def _draw_source(layout: bpy.types.UILayout, saved: bpy.types.PropertyGroup) -> None:
+    layout.row().prop(saved, "source", expand=True)
+    column = layout.column()
+    column.use_property_split = True
+    if saved.source == "CURVE":
+        column.prop(saved, "curve")
+        column.prop(saved, "rest")
+        return
+    column.prop(saved, "rig")
+    if saved.rig is not None and saved.rig.type == "ARMATURE":
+        bones = column.column(align=True)
+        bones.prop_search(saved, "first_bone", saved.rig.data, "bones")
+        bones.prop_search(saved, "last_bone", saved.rig.data, "bones")
+    column.prop(saved, "course")
+    if saved.course == "BONES":
+        column.prop(saved, "bend_width", slider=True)
+    column.prop(saved, "use_roll")
+
+
+def _draw_flesh(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
+    saved = ob.turgor_spine
+    column = layout.column()
+    column.use_property_split = True
+    column.prop(saved, "kind")
+    if saved.kind == "BLEND":
+        blend = column.column(align=True)
+        for index, name in enumerate(BLEND_NAMES):
+            blend.prop(saved, "blend", index=index, text=name, slider=True)
+    twist = column.column(align=True)
+    twist.prop(saved, "twist_start", text="Twist Start")
+    twist.prop(saved, "twist", text="End")
+    column.prop(saved, "slide")
+    column.prop(saved, "stretch")
+    column.prop(saved, "keep_volume")

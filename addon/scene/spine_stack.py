@@ -1,0 +1,102 @@
+"""Turgor Spine in the stack: what stands before it, whether bones skin the body too, and what we cannot follow."""
+
+from __future__ import annotations
+
+import bpy
+
+from . import node_group, skeleton, spine_chain, spine_curve, stack
+
+# Before these it is put into a new stack: they move the mesh, or make another one in renders.
+LATER_TYPES = stack.MOVING_TYPES | {"ARMATURE", "SUBSURF", "MULTIRES"}
+
+
+def spine_modifier(ob: bpy.types.Object) -> bpy.types.NodesModifier | None:
+    """Turgor Spine."""
+    return stack.own_modifier(ob, node_group.SPINE)
+
+
+def limb_modifier(ob: bpy.types.Object) -> bpy.types.ArmatureModifier | None:
+    """The Armature right before ours, of the spine's own bones: their weights say which part of the body follows."""
+    ours, saved = spine_modifier(ob), ob.turgor_spine
+    if ours is None or saved.source != "BONES":
+        return None
+    modifiers = list(ob.modifiers)
+    earlier = modifiers[: modifiers.index(ours)]
+    if earlier and earlier[-1].type == "ARMATURE" and earlier[-1].object == saved.rig is not None:
+        return earlier[-1]
+    return None
+
+
+def rest_end(ob: bpy.types.Object) -> bpy.types.Modifier | None:
+    """The first modifier that the body at rest does not have."""
+    return limb_modifier(ob) or spine_modifier(ob)
+
+
+def place_for_new(ob: bpy.types.Object, rig: bpy.types.Object | None) -> int:
+    """Where in the stack a new Turgor Spine goes: after the Armature of its own bones, else before all that moves."""
+    for index, modifier in enumerate(ob.modifiers):
+        if modifier.type == "ARMATURE" and modifier.object is not None and modifier.object == rig:
+            return index + 1
+        if modifier.type in LATER_TYPES or node_group.is_of_kind(
+            getattr(modifier, "node_group", None), node_group.VOLUME
+        ):
+            return index
+    return len(ob.modifiers)
+
+
+def obstacle(ob: bpy.types.Object) -> str | None:
+    """Why this body cannot follow its spine and what to do; None when it can."""
+    saved, ours = ob.turgor_spine, spine_modifier(ob)
+    if saved.source == "BONES":
+        found = spine_chain.obstacle(saved.rig, saved.first_bone, saved.last_bone)
+    else:
+        found = spine_curve.obstacle(saved.curve)
+    if found is not None or ours is None:
+        return found
+    limb = limb_modifier(ob)
+    if limb is not None:
+        found = stack.armature_obstacle(ob, limb)
+        if found is not None:
+            return found
+    return _earlier_obstacle(ob, limb or ours)
+
+
+def _earlier_obstacle(ob: bpy.types.Object, end: bpy.types.Modifier) -> str | None:
+    has_shape_keys = ob.data.shape_keys is not None
+    for modifier in stack.modifiers_before(ob, end):
+        if modifier.type == "ARMATURE":
+            return f"{modifier.name} deforms the body before Turgor Spine: move it below, or flesh its own bones"
+        if stack.moves(modifier):
+            return f"{modifier.name} can move the body before Turgor Spine: move it below"
+        if stack.is_animated(ob, modifier):
+            return f"{modifier.name} is animated before Turgor Spine: move it below"
+        if has_shape_keys and modifier.type not in stack.LINEAR_TYPES:
+            return f"{modifier.name} changes shape keys before Turgor Spine: apply it, or move it below"
+    return None
+
+
+def chosen(saved: bpy.types.PropertyGroup) -> tuple[object, ...]:
+    """Saved settings that a binding depends on; cheap enough for every frame."""
+    rig, curve = saved.rig, saved.curve
+    return (
+        saved.source,
+        None if rig is None else rig.name_full,
+        saved.first_bone,
+        saved.last_bone,
+        None if curve is None else curve.name_full,
+        saved.vertex_group,
+        saved.invert_vertex_group,
+        saved.bound_topology,
+    )
+
+
+def signature(ob: bpy.types.Object) -> tuple[object, ...]:
+    """Settings up to our modifier, and what of the spine at rest is not saved: while equal, so is the binding."""
+    saved, end = ob.turgor_spine, rest_end(ob)
+    read: list[object] = [ob.data.session_uid, [group.name for group in ob.vertex_groups]]
+    read += stack.settings_before(ob, end)
+    if end is not None and end.type == "ARMATURE":
+        read.append(stack.settings_of(end))
+    if saved.source == "BONES" and saved.rig is not None and saved.rig.type == "ARMATURE":
+        read += skeleton.signature(saved.rig.data)
+    return (*read, *chosen(saved))

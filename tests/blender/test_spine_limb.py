@@ -1,0 +1,80 @@
+"""Some bones skin the body, a chain fleshes it: the weights say who moves what."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+from body import RINGS, add_spine
+from measure import positions
+from tube import LAST_FRAME, place, rig, select, tube_mesh
+
+BONES = 6
+
+
+@pytest.fixture(params=[False, True], ids=["linear", "dual quaternions"])
+def limb(request):
+    armature = rig(bone_count=BONES)
+    ob = place("Tube", tube_mesh(rings=RINGS), armature)
+    ob.modifiers["Armature"].use_deform_preserve_volume = request.param
+    for bone in armature.pose.bones:
+        for frame, angle in ((1, 0.0), (LAST_FRAME, 0.2)):
+            bone.rotation_euler = (angle, 0.5 * angle, 0.3 * angle)
+            bone.keyframe_insert("rotation_euler", frame=frame)
+    bpy.context.scene.frame_set(LAST_FRAME)
+    skinned = positions(ob)
+    select([armature, ob])
+    assert bpy.ops.object.turgor_spine_add() == {"FINISHED"}
+    saved = ob.turgor_spine
+    saved.first_bone, saved.last_bone = "Bone3", "Bone5"
+    bpy.context.view_layer.update()
+    return ob, armature, skinned
+
+
+def test_stands_after_the_armature(limb, runtime):
+    ob, _, _ = limb
+    assert [modifier.type for modifier in ob.modifiers] == ["ARMATURE", "NODES"]
+    assert runtime.spine(ob.session_uid).problem is None
+
+
+def test_skin_of_other_bones_stays(limb):
+    ob, _, skinned = limb
+    held = np.zeros(len(skinned))
+    for vertex in ob.data.vertices:
+        held[vertex.index] = sum(g.weight for g in vertex.groups if ob.vertex_groups[g.group].name >= "Bone3")
+    now = positions(ob)
+    assert (now[held == 0.0] == skinned[held == 0.0]).all()
+    assert np.abs(now[held > 0.9] - skinned[held > 0.9]).max() > 1e-3
+    # No tear between them: neighbouring rings stay neighbours.
+    rings = now.reshape(RINGS, -1, 3)
+    assert np.linalg.norm(np.diff(rings, axis=0), axis=2).max() <= 0.25
+
+
+def test_flesh_of_the_chain_follows_it(limb):
+    """Vertices that the chain alone holds lie where a body without weights would."""
+    ob, armature, _ = limb
+    held = np.array(
+        [all(ob.vertex_groups[g.group].name >= "Bone3" for g in vertex.groups) for vertex in ob.data.vertices]
+    )
+    other = bpy.data.objects.new("Other", ob.data.copy())
+    bpy.context.scene.collection.objects.link(other)
+    bpy.context.scene.frame_set(1)
+    saved = add_spine(other, armature)
+    saved.first_bone, saved.last_bone, saved.keep_volume = "Bone3", "Bone5", False
+    bpy.context.scene.frame_set(LAST_FRAME)
+    assert np.abs(positions(ob)[held] - positions(other)[held]).max() <= 1e-5
+
+
+def test_follows_the_switches_of_the_armature(limb):
+    ob, _, _ = limb
+    rest = np.array([vertex.co for vertex in ob.data.vertices], np.float32)
+    ob.modifiers["Armature"].show_viewport = False
+    bpy.context.view_layer.update()
+    assert (positions(ob) == rest).all()
+
+
+def test_nothing_moves_at_rest(limb):
+    ob, _, _ = limb
+    bpy.context.scene.frame_set(1)
+    rest = np.array([vertex.co for vertex in ob.data.vertices], np.float32)
+    assert np.abs(positions(ob) - rest).max() <= 1e-5
