@@ -11,6 +11,7 @@ from .operators.rebind import OBJECT_OT_turgor_volume_rebind
 from .operators.remove import OBJECT_OT_turgor_volume_remove
 from .operators.spine import OBJECT_OT_turgor_spine_add, OBJECT_OT_turgor_spine_rebind, OBJECT_OT_turgor_spine_remove
 from .operators.spine import draw as draw_add_spine
+from .overlays import spine as spine_overlay
 from .panels.joints import TURGOR_UL_joints
 from .panels.spine import TURGOR_PT_spine, TURGOR_PT_spine_settings
 from .panels.volume import TURGOR_PT_settings, TURGOR_PT_volume
@@ -43,9 +44,11 @@ def register() -> None:
     bpy.types.OBJECT_MT_modifier_add_deform.append(draw_add)
     bpy.types.OBJECT_MT_modifier_add_deform.append(draw_add_spine)
     handlers.register()
+    spine_overlay.register()
 
 
 def unregister() -> None:
+    spine_overlay.unregister()
     handlers.unregister()
     bpy.types.OBJECT_MT_modifier_add_deform.remove(draw_add_spine)
     bpy.types.OBJECT_MT_modifier_add_deform.remove(draw_add)

@@ -72,6 +72,10 @@ class Character:
     # Works out `figures`: called when a panel is drawn, since most frames are looked at by nobody.
     measure: Callable[[], Any] | None = None
     timing: Timing | None = None
+    # Works out what an overlay draws, `logic.sketch.Sketch`.
+    sketch: Callable[[], Any] | None = None
+    # Works out the error of small volumes, `logic.sketch.LocalError`.
+    local_error: Callable[[], Any] | None = None
 
     @property
     def figures(self) -> Any:
@@ -128,7 +132,7 @@ def set_problem(known: Character, name: str, problem: str | None) -> None:
         known.problem = problem
         if problem is None:
             return
-        known.measure = known.timing = None
+        known.measure = known.timing = known.sketch = known.local_error = None
         is_news = problem not in known.logged
         known.logged.add(problem)
     if is_news:

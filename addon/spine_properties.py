@@ -206,6 +206,13 @@ class TurgorSpine(bpy.types.PropertyGroup):
         override=OVERRIDABLE,
         options=set(),
     )
+    show_overlay: BoolProperty(
+        name="Show Spine",
+        description="Draw the spine at rest and posed, its frames, the tube within which every chunk keeps its volume,"
+        " and the vertices outside of it",
+        override=OVERRIDABLE,
+        options=set(),
+    )
     # The body as it was bound, as in `properties.TurgorObject`: the matrix is object_from_spine; and the curve.
     bound_frame: IntProperty(override=OVERRIDABLE, options={"HIDDEN"})
     bound_topology: StringProperty(override=OVERRIDABLE, options={"HIDDEN"})

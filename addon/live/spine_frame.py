@@ -12,7 +12,7 @@ import turgor
 from numpy.typing import NDArray
 
 from .. import runtime
-from ..logic import courses, flesh, splines
+from ..logic import courses, flesh, sketch, splines
 from ..scene import frame, placement, shape_keys, spine_chain, spine_curve, spine_stack
 from .spine_binding import Bound
 
@@ -61,6 +61,9 @@ def _flesh(target: bpy.types.Object, known: runtime.Character, bound: Bound, add
     if not runtime.session.is_rendering:
         rest_volume = 0.0 if body.skin is None else body.skin.rest_volume
         known.measure = cache(lambda: _figures(outcome, rest_volume))
+        rest, world = bound.flesh.positions, np.array(target.matrix_world, np.float64)
+        known.sketch = cache(lambda: sketch.draw(body, pose, rest + outcome.offsets, world))
+        known.local_error = cache(lambda: sketch.local_error(body, rest, pose))
         known.timing = runtime.Timing(1e3 * (ready - started), 1e3 * (done - ready), 1e3 * (perf_counter() - done))
 
 

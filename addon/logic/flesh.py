@@ -13,6 +13,9 @@ from . import splines
 
 Kind = str | tuple[float, float, float]
 
+# Vertices of less than this part of the largest area do not move further than others.
+LEAST_AREA = 1e-6
+
 
 class Pose(NamedTuple):
     """How the spine lies in one frame."""
@@ -44,6 +47,8 @@ class Bound(NamedTuple):
 
     rest: turgor.Spine  # all of it
     fleshing: turgor.Fleshing  # along the part within reach
+    kind: Kind
+    match: str
     skin: _Skin | None  # where the total volume can be kept
 
 
@@ -73,6 +78,11 @@ class Flesh:
         return len(self._positions)
 
     @property
+    def positions(self) -> NDArray[np.float64]:
+        """(N, 3) at rest, without shape keys."""
+        return self._positions
+
+    @property
     def box(self) -> NDArray[np.float64]:
         """(2, 3) least and greatest coordinates at rest."""
         return np.array([self._positions.min(axis=0), self._positions.max(axis=0)])
@@ -99,7 +109,9 @@ class Flesh:
             rest = rest_spine()
             within = splines.trimmed(rest, *reach)
             fleshing = turgor.Fleshing(within, positions, kind, match=match, influence=self._influence)
-            bound = Bound(rest, fleshing, None if self.limb else _Skin(positions, *self._faces, self._influence))
+            bound = Bound(
+                rest, fleshing, kind, match, None if self.limb else _Skin(positions, *self._faces, self._influence)
+            )
             self._current = (key, bound)
         return bound
 
@@ -137,7 +149,7 @@ class _Skin:
         self._positions = positions
         self._mesh = turgor.Mesh(positions, face_offsets, face_corners)
         self._volumes = self._mesh.component_volumes(positions)
-        self._may_move = influence / _vertex_areas(self._mesh, positions)
+        self._may_move = influence * _evenly(self._mesh, positions)
         components = self._mesh.vertex_components
         moves = np.zeros(len(self._volumes), bool)
         moves[components[(components >= 0) & (self._may_move > 0)]] = True
@@ -161,7 +173,8 @@ class _Skin:
         return Outcome(offsets, clamped_count, total, float((kept_volumes * np.sign(self._volumes)).sum()))
 
 
-def _vertex_areas(mesh: turgor.Mesh, positions: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(N,) area that the volume's gradient sees, never 0."""
+def _evenly(mesh: turgor.Mesh, positions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(N,) factor on the volume's gradient that moves all of the skin alike; 0 where there is no skin."""
     areas = np.linalg.norm(mesh.volume_gradient(positions), axis=1)
-    return np.maximum(areas, 1e-6 * max(areas.max(initial=0.0), np.finfo(np.float64).tiny))
+    most = areas.max(initial=0.0)
+    return 1.0 / np.maximum(areas, LEAST_AREA * most) if most > 0.0 else np.zeros(len(areas))

@@ -29,7 +29,7 @@ class TURGOR_PT_spine(bpy.types.Panel):
         ob = context.object
         known = runtime.session.spines.get(ob.session_uid, runtime.Character())
         _draw_problem(self.layout, context, known)
-        _draw_readout(self.layout, context, known)
+        _draw_readout(self.layout, context, ob, known)
         for note in known.notes:
             draw_wrapped(self.layout, context, note, "INFO")
         _draw_source(self.layout, ob.turgor_spine)
@@ -85,7 +85,9 @@ def _draw_problem(layout: bpy.types.UILayout, context: bpy.types.Context, known:
         button.operator("object.turgor_spine_rebind", icon="FILE_REFRESH")
 
 
-def _draw_readout(layout: bpy.types.UILayout, context: bpy.types.Context, known: runtime.Character) -> None:
+def _draw_readout(
+    layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy.types.Object, known: runtime.Character
+) -> None:
     figures = known.figures
     if figures is None:
         return
@@ -100,6 +102,12 @@ def _draw_readout(layout: bpy.types.UILayout, context: bpy.types.Context, known:
             line.alignment = "CENTER"
             line.active = False
             line.label(text=f"of the fleshing alone {signed_percent(figures.fleshed_deviation, 4)}")
+    if ob.turgor_spine.show_overlay and known.local_error is not None:
+        found = known.local_error()
+        line = column.row()
+        line.alignment = "CENTER"
+        line.active = False
+        line.label(text=f"of small chunks {100 * found.mean:.4f} %, at most {100 * found.most:.3f} %")
     if figures.clamped_count:
         count = figures.clamped_count
         text = f"{count:,} of {figures.point_count:,} vertices lie too far inside a bend and are held back there"
@@ -140,3 +148,4 @@ def _draw_flesh(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
     column.prop(saved, "slide")
     column.prop(saved, "stretch")
     column.prop(saved, "keep_volume")
+    column.prop(saved, "show_overlay")
