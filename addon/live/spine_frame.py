@@ -51,7 +51,7 @@ def _flesh(target: bpy.types.Object, known: runtime.Character, bound: Bound, add
             pose_matrices = np.ascontiguousarray(frame.read_pose(saved.rig)[bound.limb.pose_indices])
     else:
         read = _Curve(target, bound)
-    kind = tuple(saved.blend) if saved.kind == "BLEND" else saved.kind.lower()
+    kind: flesh.Kind = tuple(saved.blend) if saved.kind == "BLEND" else saved.kind.lower()
     body = bound.flesh.bind(read.key, read.rest, (saved.start, saved.end), kind, read.match, shape_values)
     pose = _pose(read, body, saved)
     ready = perf_counter()
@@ -70,7 +70,7 @@ def _flesh(target: bpy.types.Object, known: runtime.Character, bound: Bound, add
 class _Bones:
     """A chain of bones, posed."""
 
-    match = "stations"
+    match: flesh.Match = "stations"
 
     def __init__(self, target: bpy.types.Object, bound: Bound, object_from_armature: NDArray[np.float64]) -> None:
         saved = target.turgor_spine
@@ -110,7 +110,7 @@ class _Curve:
         )
         self.key = (saved.rest, self._rest_points.plain())
         is_alike = len(self._rest_points.points) == len(self._posed_points.points)
-        self.match = "length" if saved.rest != "CURVE" else "stations" if is_alike else "relative_length"
+        self.match: flesh.Match = "length" if saved.rest != "CURVE" else "stations" if is_alike else "relative_length"
 
     def rest(self) -> turgor.Spine:
         if self._saved.rest != "CURVE":

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import turgor
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from . import splines
 
-Kind = str | tuple[float, float, float]
+Kind = Literal["radial", "normal", "binormal"] | tuple[float, float, float]
+Match = Literal["stations", "relative_length", "length"]
 
 # Vertices of less than this part of the largest area do not move further than others.
 LEAST_AREA = 1e-6
@@ -48,7 +49,7 @@ class Bound(NamedTuple):
     rest: turgor.Spine  # all of it
     fleshing: turgor.Fleshing  # along the part within reach
     kind: Kind
-    match: str
+    match: Match
     skin: _Skin | None  # where the total volume can be kept
 
 
@@ -93,7 +94,7 @@ class Flesh:
         rest_spine: Callable[[], turgor.Spine],
         reach: tuple[float, float],
         kind: Kind,
-        match: str,
+        match: Match,
         shape_values: NDArray[np.float32],
     ) -> Bound:
         """The binding for these settings. key: changes whenever what else they stand for does.
