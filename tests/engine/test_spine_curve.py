@@ -259,6 +259,20 @@ def test_trimmed_spines_follow_the_whole_and_end_straight():
     assert np.abs(affine @ np.linalg.lstsq(affine, fleshed[one_end], rcond=None)[0] - fleshed[one_end]).max() < 1e-12
 
 
+@pytest.mark.parametrize("gap", [0.0, 1e-9, 1e-7, 1e-4])
+def test_trimming_next_to_a_station_leaves_one_of_the_two(gap):
+    """Twist given at stations a hair's breadth apart would swing between all others."""
+    spine = turgor.Spine(line(7), parameters=np.arange(7.0))
+    part = spine.trimmed(1.0, 4.0 + gap)
+    assert part.station_parameters.tolist() == [1.0, 2.0, 3.0, 4.0 + gap]
+    points = np.array([[s, 0.3, 0.0] for s in np.linspace(1.0, 3.2, 40)])
+    angles = 0.3 * part.station_parameters + 1e-4 * np.cos(7 * part.station_parameters)
+    turned = turgor.flesh(points, part, part, twist=angles)
+    found = np.arctan2(turned[:, 2], turned[:, 1])
+    assert (found >= angles.min() - 0.1).all()
+    assert (found <= angles.max() + 0.1).all()
+
+
 def test_folded_spines_are_told_and_finite():
     back = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [1, 0, 0], [0, 0, 0]], float)
     rest = turgor.Spine(line(5))

@@ -18,6 +18,8 @@ use crate::spine::real::sine_cosine;
 
 /// An end piece of a trimmed spine is at least this part of a whole one.
 const TRIMMED_PIECE_MIN: f64 = 0.25;
+/// Stations nearer to a trimmed end than this part of their mean distance are left out.
+const TRIMMED_STATION_MIN: f64 = 0.05;
 
 /// Points of one parallel task.
 pub(crate) const TASK: usize = 256;
@@ -263,7 +265,9 @@ impl Spine {
         let points: Vec<DVec3> = parameters.iter().map(|&t| self.position(t)).collect();
         let between = parameters.windows(2).flat_map(|w| [0.25, 0.5, 0.75].map(|u| w[0] + u * (w[1] - w[0])));
         let checks = between.map(|t| self.position(t)).collect();
-        let inner = self.stations.iter().copied().filter(|&t| start < t && t < end);
+        // No station hair's breadth from an end: what is given at both would have any rate between them.
+        let near = TRIMMED_STATION_MIN * (last - first) / (self.stations.len() - 1) as f64;
+        let inner = self.stations.iter().copied().filter(|&t| start + near < t && t < end - near);
         let stations = std::iter::once(start).chain(inner).chain([end]).collect();
         let pieces = Bare::new(&parameters, &points, [End::Straight; 2]);
         let normal = self.frame(start)[1];
