@@ -10,27 +10,31 @@ from pathlib import Path
 
 import bpy
 
-from . import bent_cylinder, elephant, four_bone_chain, giraffe, three_segment_cylinder, twist_chain
+from . import bent_cylinder, dolphin, elephant, four_bone_chain, giraffe, snake, three_segment_cylinder, twist_chain
 from .character import Character
+from .curve_rider import CurveRider
 
-BUILDERS: dict[str, Callable[[], Character]] = {
+CHARACTERS: dict[str, Callable[[], Character]] = {
     "bent_cylinder": bent_cylinder.build,
     "three_segment_cylinder": three_segment_cylinder.build,
     "four_bone_chain": four_bone_chain.build,
     "twist_chain": twist_chain.build,
     "elephant": elephant.build,
     "giraffe": giraffe.build,
+    "snake": snake.build,
 }
-NAMES: tuple[str, ...] = tuple(BUILDERS)
+CURVE_RIDERS: dict[str, Callable[[], CurveRider]] = {"dolphin": dolphin.build}
+NAMES: tuple[str, ...] = (*CHARACTERS, *CURVE_RIDERS)
 
-__all__ = ["BUILDERS", "NAMES", "Character", "build", "write"]
+__all__ = ["CHARACTERS", "CURVE_RIDERS", "NAMES", "Character", "CurveRider", "build", "write"]
 
 
-def build(name: str) -> Character:
-    """The fixture's character (`body`, `armature`), built into the current Blender file."""
-    if name not in BUILDERS:
+def build(name: str) -> Character | CurveRider:
+    """The fixture, built into the current Blender file: its `body` and the `armature` or `curve` that bends it."""
+    builders = {**CHARACTERS, **CURVE_RIDERS}
+    if name not in builders:
         raise ValueError(f"no fixture is called {name!r}: there are {', '.join(NAMES)}")
-    return BUILDERS[name]()
+    return builders[name]()
 
 
 def write(name: str, directory: Path) -> Path:

@@ -9,6 +9,7 @@ import numpy as np
 from mathutils import Euler, Vector
 
 from .character import Character
+from .curve_rider import CurveRider
 from .datablocks import data_of, of_kind
 from .materials import Colour, make_material, paint, set_input
 
@@ -20,21 +21,21 @@ MARGIN = 1.12
 
 
 def set_stage(
-    character: Character,
+    fixture: Character | CurveRider,
     view: tuple[float, float],
     ground: bool = False,
     is_painted: bool = False,
     lens: float = 60.0,
     resolution: tuple[int, int] = (960, 640),
 ) -> None:
-    """Light the scene and aim a camera that holds the whole animation.
+    """Light the scene and aim a camera that holds the whole animation of the body.
 
     is_painted: Workbench shows `paint` in place of materials.
     view: the camera's heading about Z (0 looks along +Y, at a face turned to -Y) and its height, in degrees.
     """
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = resolution
-    _add_camera(character, view, lens)
+    _add_camera(fixture, view, lens)
     _add_sun("sun", 1.9, (48.0, 0.0, view[0] + 38.0))
     _add_sun("fill", 0.5, (62.0, 0.0, view[0] - 65.0))
     _add_world()
@@ -54,13 +55,13 @@ def set_stage(
     scene.view_settings.view_transform = "Standard"
 
 
-def animated_positions(character: Character, step: int = 2) -> np.ndarray:
+def animated_positions(body: bpy.types.Object, step: int = 2) -> np.ndarray:
     """World positions of the evaluated mesh over the frame range, (frames, N, 3)."""
     scene = bpy.context.scene
     frames = []
     for frame in range(scene.frame_start, scene.frame_end + 1, step):
         scene.frame_set(frame)
-        evaluated = character.body.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        evaluated = body.evaluated_get(bpy.context.evaluated_depsgraph_get())
         mesh = data_of(evaluated, bpy.types.Mesh)
         positions = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
         of_kind(mesh.attributes["position"], bpy.types.FloatVectorAttribute).data.foreach_get("vector", positions)
@@ -70,7 +71,7 @@ def animated_positions(character: Character, step: int = 2) -> np.ndarray:
     return np.array(frames)
 
 
-def _add_camera(character: Character, view: tuple[float, float], lens: float) -> None:
+def _add_camera(fixture: Character | CurveRider, view: tuple[float, float], lens: float) -> None:
     scene = bpy.context.scene
     optics = bpy.data.cameras.new("camera")
     optics.lens = lens
@@ -79,7 +80,7 @@ def _add_camera(character: Character, view: tuple[float, float], lens: float) ->
     camera = bpy.data.objects.new("camera", optics)
     scene.collection.objects.link(camera)
     rotation = Euler((radians(90.0 - view[1]), 0.0, radians(view[0])))
-    points = animated_positions(character).reshape(-1, 3) @ np.array(rotation.to_matrix())
+    points = animated_positions(fixture.body).reshape(-1, 3) @ np.array(rotation.to_matrix())
     # In camera axes a point is inside when |x - cx| <= (cz - z) * tangent, likewise y: the tightest cx, cy, cz.
     tangent_y = optics.sensor_height / (2 * lens) / MARGIN
     tangent_x = tangent_y * scene.render.resolution_x / scene.render.resolution_y
