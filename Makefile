@@ -5,9 +5,11 @@ SHELL := /bin/bash
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
 
-# What `make demo` shows: a scene of blend_fixtures/, or any .blend, .glb, .gltf or .fbx with a rigged character.
+# What `make demo` shows: a scene of blend_fixtures/, or any .blend, .glb, .gltf or .fbx with a rigged character; or
+# `fleshing`: bodies bent along a spine, after the paper's experiments.
 SCENE ?= elephant
 FILE  ?= .fixtures/$(SCENE).blend
+SHOWN  = $(if $(filter fleshing,$(SCENE)),demo.fleshing,demo "$(FILE)")
 PYTEST_FLAGS ?= -q
 
 HAS_3.13 := $(shell environment/find_python.sh 3.13 2>/dev/null)
@@ -58,8 +60,8 @@ dist/.extension: dist/.wheel $(EXTENSION_SOURCES)
 
 # ---- see it --------------------------------------------------------------------------------------------------------
 
-demo: dist/.extension .fixtures/.ready $(NEWEST)/.ready ## pictures and figures of a character in demo_out/: make demo [SCENE=giraffe | FILE=path]
-	$(NEWEST)/bin/python -m demo "$(FILE)" --extension dist/*.zip --output demo_out
+demo: dist/.extension .fixtures/.ready $(NEWEST)/.ready ## pictures and figures of a character in demo_out/: make demo [SCENE=giraffe | SCENE=fleshing | FILE=path]
+	$(NEWEST)/bin/python -m $(SHOWN) --extension dist/*.zip --output demo_out
 
 # Made by the older Blender, so that both can read them.
 .fixtures/.ready: $(FIXTURE_SOURCES) .venv-3.11/.ready

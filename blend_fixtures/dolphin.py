@@ -9,7 +9,7 @@ import numpy as np
 
 from .cage import Cage, Loft, Station, Surface, ellipse
 from .character import make_mesh
-from .curve_rider import CurveRider, key_glide, make_bezier, put_on_curve
+from .curve_rider import CurveRider, Knot, key_glide, make_bezier, put_on_curve
 from .materials import Colour, make_material, paint
 from .shells import ball
 from .stage import set_stage
@@ -44,11 +44,11 @@ DARK: Colour = (0.02, 0.02, 0.03)
 
 SPINE_ENDS = ((0.0, 1.20, 0.0), (0.0, -1.28, 0.0))
 """The straight spine at rest, from the flukes to the beak."""
-LEAP = [
-    ((-3.9, 0.5, -0.7), (-4.7, 0.8, -0.3), (-3.1, 0.2, -1.1)),
-    ((-0.9, -0.3, 0.55), (-1.75, -0.35, 0.35), (-0.05, -0.25, 0.75)),
-    ((1.15, 0.15, -0.75), (0.75, -0.15, 0.05), (1.55, 0.45, -1.55)),
-    ((3.3, 0.1, -0.45), (2.55, 0.75, -0.85), (4.05, -0.55, -0.05)),
+LEAP: list[Knot] = [
+    ((-5.2, 0.9, -0.8), (-6.2, 1.2, -0.6), (-3.9, 0.52, -1.03)),
+    ((-1.3, -0.4, 0.75), (-2.7, -0.45, 0.45), (0.1, -0.35, 1.05)),
+    ((2.2, 0.3, -0.75), (1.25, -0.1, 0.1), (3.15, 0.7, -1.6)),
+    ((5.4, 0.1, -0.5), (4.3, 0.8, -1.1), (6.5, -0.6, 0.1)),
 ]
 """Control point, left and right handle of each knot: up out of the water, over, down, and away to the side."""
 
@@ -64,7 +64,7 @@ def build() -> CurveRider:
     rider = CurveRider(body, make_bezier("leap", LEAP, tilt=pi))
     put_on_curve(rider, "NEG_Y")
     key_glide(rider, FRAME_COUNT, body_length=SPINE_ENDS[0][1] - SPINE_ENDS[1][1], tail=SPINE_ENDS[0][1])
-    set_stage(rider, view=(12.0, 10.0), is_painted=True, resolution=(1200, 560))
+    set_stage(rider, view=(12.0, 10.0), is_painted=True, resolution=(1200, 480))
     return rider
 
 

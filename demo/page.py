@@ -16,6 +16,7 @@ from .report import ObjectReport, Report, Timings
 SHELLS_SHOWN = 8
 
 TEMPLATE = Path(__file__).with_name("page.html")
+STYLE = Path(__file__).with_name("page.css")
 
 
 @dataclass(frozen=True)
@@ -183,6 +184,7 @@ def page(report: Report, hero: ObjectReport | None, pairs: Sequence[PicturePair]
     headline, summary = opening(character, hero)
     plots = "".join(object_section(item) for item in report.objects if item.is_corrected)
     return Template(TEMPLATE.read_text(encoding="utf-8")).substitute(
+        style=STYLE.read_text(encoding="utf-8"),
         character=escape(character),
         headline=headline,
         summary=summary,

@@ -58,15 +58,15 @@ def whole_view(meshes: list[bpy.types.Object]) -> View:
     return fitted(points, (turned + Vector((0.0, 0.0, tan(RISE)))).normalized())
 
 
-def fitted(points: Points, direction: Vector) -> View:
-    """The nearest view along a direction that holds all the points."""
+def fitted(points: Points, direction: Vector, height_to_width: float = HEIGHT / WIDTH) -> View:
+    """The nearest view along a direction that holds all the points, in a picture at most as high as it is wide."""
     axes = np.array(View(Vector(), direction, 0.0).turn)
     seen = points @ axes
     middle = (seen.min(axis=0) + seen.max(axis=0)) / 2
     right, up, _ = np.abs(seen - middle).T
     depth = (seen - middle)[:, 2]
     half_width = tan(FIELD_OF_VIEW / 2)
-    needed = np.maximum(right / half_width, up / (half_width * HEIGHT / WIDTH)) * MARGIN + depth
+    needed = np.maximum(right / half_width, up / (half_width * height_to_width)) * MARGIN + depth
     return View(Vector(axes @ middle), direction, float(needed.max()))
 
 
