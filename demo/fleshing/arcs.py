@@ -46,7 +46,8 @@ def run(gallery: Gallery) -> Experiment:
         "arcs",
         "Tubes on an arc",
         "A tube is bent by up to half a turn about a spine that runs along its wall or through its middle. Only where "
-        "the spine is the middle line does the Curve modifier keep the total; elsewhere the tube grows or shrinks.",
+        "the spine is the middle line does the Curve modifier keep the total; elsewhere the tube grows or shrinks. "
+        "The line over the later pictures is the outline of the first.",
         [Table(["Tube", *WAYS], rows)],
         [Claim(f"tubes on an arc, {kind}: total volume off at worst", worst[kind], most=LIMIT) for kind in KINDS],
         {"angles": ANGLES, "worst": worst} | {f"{place}, {way}": values for (place, way), values in totals.items()},

@@ -12,7 +12,7 @@ from .chart import Chart, Line
 from .experiment import Claim, Experiment, Picture, Table
 from .gallery import Gallery, Model
 from .tones import tones
-from .words import percent
+from .words import percent, signed
 
 RADIUS = 1.0
 """Of the tube, R."""
@@ -48,9 +48,9 @@ def run(gallery: Gallery) -> Experiment:
         "cubes",
         "Cubes in the flesh",
         f"{COUNT:,} cubes anywhere in a tube of radius R whose bend has the radius {BEND_RADIUS:g} R. The Curve "
-        f"modifier changes them by {percent(means[CURVE][at])} on average, however small they are. Fleshing changes "
-        "them only because a cube's sides are flat and the flesh is not: half the size, a quarter of the error, down to "
-        "a point, which keeps its volume.",
+        f"modifier changes them by {percent(means[CURVE][at])} on average, however small they are. Fleshing "
+        "changes them only because a cube's sides are flat and the flesh is not: half the size, a quarter of the "
+        "error, down to a point, which keeps its volume.",
         [Table(["Size of cube, mean local error", *WAYS], rows)],
         claims,
         {
@@ -101,7 +101,7 @@ def pictures(gallery: Gallery, bend: Bend) -> list[Picture]:
     row = []
     for way, positions in bent.items():
         changes = body.local_errors(positions)
-        text = f"<b>{way}</b>: red grew, blue shrank; {percent(np.abs(changes).max())} at most"
+        text = f"<b>{way}</b>: from {signed(changes.min())} (blue) to {signed(changes.max())} (red)"
         model = Model(body.moved(positions), way, colours=np.repeat(tones(changes), 8, axis=0), is_smooth=False)
         row.append(gallery.picture(f"cubes_{way.split()[0].lower()}", [model], shot, text))
     return row

@@ -122,13 +122,13 @@ def pictures(gallery: Gallery, swim: Swim) -> list[list[Picture]]:
     slide = worst_place(swim)
     bent = {way: swim.bent(slide, way) for way in (CURVE, "radial")}
     changes = {way: swim.cubes.local_errors(swim.bent_cubes(slide, way)) for way in bent}
-    near = gallery.shot(list(bent.values()), (0.25, -1.0, 0.22), (1000, 500))
+    near = gallery.shot(list(bent.values()), (0.3, -1.0, -0.3), (1000, 520))
     pair = [
         gallery.picture(
             f"dolphin_{way.split()[0].lower()}",
             [Model(swim.body.moved(positions), way, colours=tones(changes[way]))],
             near,
-            f"<b>{way}</b>: red grew, blue shrank; from {signed(changes[way].min())} to {signed(changes[way].max())}",
+            f"<b>{way}</b>: from {signed(changes[way].min())} (blue) to {signed(changes[way].max())} (red)",
         )
         for way, positions in bent.items()
     ]

@@ -7,8 +7,8 @@ import numpy as np
 from ..enclosed_volume import Points
 
 # Relative change of volume that is shown in full colour.
-FULL_TONE = 0.3
-LARGER, SMALLER, SAME = np.array((0.80, 0.16, 0.06)), np.array((0.08, 0.24, 0.66)), np.array((0.92, 0.89, 0.84))
+FULL_TONE = 0.25
+LARGER, SMALLER, SAME = np.array((0.80, 0.16, 0.06)), np.array((0.08, 0.24, 0.66)), np.array((0.66, 0.62, 0.56))
 
 
 def tones(changes: Points) -> Points:

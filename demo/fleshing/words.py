@@ -6,7 +6,8 @@ from __future__ import annotations
 def percent(value: float) -> str:
     """A relative error: 5.79 %, or 0.0003 %."""
     percentage = 100.0 * value
-    return f"{percentage:.3g} %" if abs(percentage) >= 0.01 or percentage == 0.0 else f"{percentage:.4f} %"
+    digits = f"{percentage:.3g}" if abs(percentage) >= 0.01 or percentage == 0.0 else f"{percentage:.4f}"
+    return f"{digits}\N{NO-BREAK SPACE}%"
 
 
 def signed(value: float) -> str:
