@@ -65,19 +65,46 @@ class LiveFrame:
         return int(self.engine.joint_bones[worst]), float(self.engine.joint_lengths[worst])
 
 
+class WatchedEngine:
+    """Stands in for an engine: notes the whole frame and writes nothing."""
+
+    def __init__(self, engine: turgor.VolumeSkin, found: list[LiveFrame]) -> None:
+        self.engine, self.found = engine, found
+
+    def deform_into_address(self, _address: int, _count: int, pose_matrices: Any, **options: Any) -> turgor.Report:
+        """As the engine's."""
+        frame = self.engine.deform(pose_matrices, **options)
+        self.found.append(LiveFrame(self.engine, frame.report, frame.skinned, frame.positions))
+        return frame.report
+
+
+class WatchedBody:
+    """Stands in for the extension's bound body, whose engine is watched."""
+
+    def __init__(self, body: Any, found: list[LiveFrame]) -> None:
+        self.body, self.found = body, found
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.body, name)
+
+    def with_settings(self, *settings: Any) -> WatchedEngine:
+        """As the body's."""
+        return WatchedEngine(self.body.with_settings(*settings), self.found)
+
+
 def live_frame(mesh_object: bpy.types.Object) -> LiveFrame:
     """Runs the extension's own frame once more, without a carrier to write to."""
     found: list[LiveFrame] = []
-
-    def run(engine: turgor.VolumeSkin, pose_matrices: Any, options: dict[str, Any]) -> turgor.Report:
-        frame = engine.deform(pose_matrices, **options)
-        found.append(LiveFrame(engine, frame.report, frame.skinned, frame.positions))
-        return frame.report
-
     target = evaluated(mesh_object)
-    extension_module("live.frame").correct(target, len(target.data.vertices), run)
+    known = character(mesh_object)
+    bound = known.body
+    known.body = bound._replace(body=WatchedBody(bound.body, found))
+    try:
+        extension_module("live.frame").correct(target, 0, len(target.data.vertices))
+    finally:
+        known.body = bound
     if not found:
-        raise SystemExit(f"{mesh_object.name}: {character(mesh_object).problem}")
+        raise SystemExit(f"{mesh_object.name}: {known.problem}")
     return found[0]
 
 
