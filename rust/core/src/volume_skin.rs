@@ -171,10 +171,10 @@ impl VolumeSkin {
     pub fn positions(&self, workspace: &Workspace) -> (Vec<DVec3>, Vec<DVec3>) {
         let object = |p: DVec3| workspace.object.transform_point3(p);
         let binding = &self.binding;
-        let vertices = binding.slot_of_vertex.iter().zip(&binding.component_of_vertex).zip(&binding.sites.site_of_vertex);
+        let vertices = binding.slot_of_vertex.iter().zip(&binding.component_of_vertex).enumerate();
         vertices
-            .map(|((&slot, &component), &site)| {
-                let skinned = workspace.skinned_site(binding, site as usize);
+            .map(|(vertex, (&slot, &component))| {
+                let skinned = workspace.skinned_vertex(binding, vertex);
                 (object(skinned), object(skinned + workspace.displacement(slot, component)))
             })
             .unzip()

@@ -48,6 +48,11 @@ pub fn vectors(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<DVec3>> {
     Ok(flat.chunks_exact(3).map(DVec3::from_slice).collect())
 }
 
+pub fn float_rows(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<[f32; 3]>> {
+    let flat: Vec<f32> = read(value, what, "float32", "(N, 3)", |shape| shape.len() == 2 && shape[1] == 3)?;
+    Ok(flat.as_chunks::<3>().0.to_vec())
+}
+
 pub fn vector_rows(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<Vec<DVec3>>> {
     let array = contiguous(value, what, "float64")?;
     array.try_iter()?.map(|row| vectors(&row?, what)).collect()

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::{DMat4, DVec3};
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use turgor::{Options, Pose, Solver, Workspace};
 
@@ -28,15 +28,20 @@ struct PoseData {
     shape_values: Vec<f64>,
     strengths: Option<Vec<f64>>,
     target_scale: f64,
+    added_offsets: Option<Vec<[f32; 3]>>,
+    is_fleshed: Option<Vec<bool>>,
 }
 
 impl PoseData {
+    #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn read(
         pose_matrices: &Bound<'_, PyAny>,
         object_from_armature: Option<&Bound<'_, PyAny>>,
         shape_values: Option<&Bound<'_, PyAny>>,
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: f64,
+        added_offsets: Option<&Bound<'_, PyAny>>,
+        fleshed: Option<Vec<bool>>,
     ) -> PyResult<Self> {
         Ok(Self {
             matrices: arrays::matrices(pose_matrices, "pose_matrices")?,
@@ -44,6 +49,8 @@ impl PoseData {
             shape_values: shape_values.map_or(Ok(Vec::new()), |v| arrays::numbers(v, "shape_values"))?,
             strengths: strengths.map(|s| arrays::numbers(s, "strengths")).transpose()?,
             target_scale,
+            added_offsets: added_offsets.map(|o| arrays::float_rows(o, "added_offsets")).transpose()?,
+            is_fleshed: fleshed,
         })
     }
 
@@ -54,6 +61,8 @@ impl PoseData {
             shape_values: &self.shape_values,
             target_scale: self.target_scale,
             strengths: self.strengths.as_deref(),
+            added_offsets: self.added_offsets.as_deref(),
+            is_fleshed: self.is_fleshed.as_deref(),
         }
     }
 }
@@ -173,7 +182,8 @@ impl VolumeSkin {
         Ok(Self::wrap(inner, Arc::clone(&self.mesh)))
     }
 
-    #[pyo3(signature = (pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0))]
+    #[pyo3(signature = (pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None))]
+    #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn deform(
         &self,
         py: Python<'_>,
@@ -182,14 +192,16 @@ impl VolumeSkin {
         shape_values: Option<&Bound<'_, PyAny>>,
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: f64,
+        added_offsets: Option<&Bound<'_, PyAny>>,
+        fleshed: Option<Vec<bool>>,
     ) -> PyResult<Frame> {
-        let pose = PoseData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale)?;
+        let pose = PoseData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale, added_offsets, fleshed)?;
         let mut offsets = vec![[0.0; 3]; self.mesh.rest().len()];
         let ((skinned, positions), report) = self.run(py, &pose, &mut offsets, |workspace| self.inner.positions(workspace))?;
         Ok(Frame { positions, skinned, offsets, report })
     }
 
-    #[pyo3(signature = (offsets, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0))]
+    #[pyo3(signature = (offsets, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None))]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn deform_into(
         &self,
@@ -200,20 +212,17 @@ impl VolumeSkin {
         shape_values: Option<&Bound<'_, PyAny>>,
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: f64,
+        added_offsets: Option<&Bound<'_, PyAny>>,
+        fleshed: Option<Vec<bool>>,
     ) -> PyResult<Report> {
-        let pose = PoseData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale)?;
-        let needed = "offsets: need a writable C-contiguous float32 array (N, 3)";
-        let array = offsets.cast::<PyArray2<f32>>().map_err(|_| TurgorError::new_err(format!("{needed}, got {}", offsets.get_type())))?;
-        if array.shape().get(1) != Some(&3) || !array.is_c_contiguous() {
-            return Err(TurgorError::new_err(format!("{needed}, got shape {:?}", array.shape())));
-        }
-        self.check_rows(array.shape()[0])?;
-        let mut view = array.try_readwrite().map_err(|error| TurgorError::new_err(format!("{needed}: {error}")))?;
-        let (rows, _) = view.as_slice_mut()?.as_chunks_mut::<3>();
-        self.write(py, &pose, rows)
+        let pose = PoseData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale, added_offsets, fleshed)?;
+        arrays::with_rows_mut(offsets, "offsets", |rows| {
+            self.check_rows(rows.len())?;
+            self.write(py, &pose, rows)
+        })
     }
 
-    #[pyo3(signature = (offsets_address, vertex_count, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0))]
+    #[pyo3(signature = (offsets_address, vertex_count, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None))]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn deform_into_address(
         &self,
@@ -225,8 +234,10 @@ impl VolumeSkin {
         shape_values: Option<&Bound<'_, PyAny>>,
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: f64,
+        added_offsets: Option<&Bound<'_, PyAny>>,
+        fleshed: Option<Vec<bool>>,
     ) -> PyResult<Report> {
-        let pose = PoseData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale)?;
+        let pose = PoseData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale, added_offsets, fleshed)?;
         self.check_rows(vertex_count)?;
         if vertex_count == 0 {
             return self.write(py, &pose, &mut []);

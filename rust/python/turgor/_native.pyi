@@ -212,11 +212,16 @@ class VolumeSkin:
         shape_values: ArrayLike | None = None,
         strengths: ArrayLike | None = None,
         target_scale: float = 1.0,
+        added_offsets: ArrayLike | None = None,
+        fleshed: Sequence[bool] | None = None,
     ) -> Frame:
         """Skin and correct one frame. Arguments as in `Skinning.deform`.
 
         strengths: (B,) strength of the joint of each bone in place of its setting (keyed strengths).
-        target_scale: factor on the target volume (breathing). Raises TurgorError for a pose that is not finite, wrong
+        target_scale: factor on the target volume (breathing).
+        added_offsets: (N, 3) float32, object space: what another deformer adds to the skin before its volume is looked
+        at; `Frame.skinned` has it. fleshed: (B,) bones whose flesh that deformer moves: what skinning loses at their
+        joints is not missing. Raises TurgorError for a pose that is not finite, wrong
         shapes, or an object matrix without inverse. Releases the GIL.
         """
     def deform_into(
@@ -228,6 +233,8 @@ class VolumeSkin:
         shape_values: ArrayLike | None = None,
         strengths: ArrayLike | None = None,
         target_scale: float = 1.0,
+        added_offsets: ArrayLike | None = None,
+        fleshed: Sequence[bool] | None = None,
     ) -> Report:
         """As `deform`, writing corrected - skinned into `offsets`, (N, 3) float32 C-contiguous; allocates no array."""
     def deform_into_address(
@@ -240,6 +247,8 @@ class VolumeSkin:
         shape_values: ArrayLike | None = None,
         strengths: ArrayLike | None = None,
         target_scale: float = 1.0,
+        added_offsets: ArrayLike | None = None,
+        fleshed: Sequence[bool] | None = None,
     ) -> Report:
         """As `deform_into`, at a raw address of vertex_count * 3 floats that the caller keeps alive."""
 

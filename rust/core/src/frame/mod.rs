@@ -1,5 +1,6 @@
 //! One frame: pose, skin, losses, fields, residual. Buffers are made once; nothing is allocated and nothing is remembered.
 
+mod added;
 mod give_back;
 mod in_order;
 mod offsets;
@@ -10,6 +11,7 @@ mod targets;
 
 use glam::{DAffine3, DMat4, DVec3};
 
+use self::added::Added;
 use crate::binding::Binding;
 use crate::correction::{Field, FieldFrame, Hold};
 use crate::error::{Error, Result};
@@ -39,12 +41,24 @@ pub struct Pose<'a> {
     pub target_scale: f64,
     /// Strength of each bone's joint, in place of its setting.
     pub strengths: Option<&'a [f64]>,
+    /// Per vertex, object space: what another deformer adds to the skin before its volume is looked at.
+    pub added_offsets: Option<&'a [[f32; 3]]>,
+    /// Per bone, whether that deformer moves its flesh: what skinning loses there is not missing.
+    pub is_fleshed: Option<&'a [bool]>,
 }
 
 impl<'a> Pose<'a> {
     /// A pose with armature and object in one space, no shape keys, and the rest volume as target.
     pub fn new(matrices: &'a [DMat4]) -> Self {
-        Self { matrices, object_from_armature: DMat4::IDENTITY, shape_values: &[], target_scale: 1.0, strengths: None }
+        Self {
+            matrices,
+            object_from_armature: DMat4::IDENTITY,
+            shape_values: &[],
+            target_scale: 1.0,
+            strengths: None,
+            added_offsets: None,
+            is_fleshed: None,
+        }
     }
 }
 
@@ -83,6 +97,7 @@ pub struct Workspace {
     giant_positions: Vec<V4>,
     giant_room: Vec<f64>,
     skinned: Places,
+    added: Added,
     /// In units of the mean area.
     gradient: Coordinates,
     /// Per slot.
@@ -166,6 +181,7 @@ impl Workspace {
             stage_changes,
             giant_positions: vec![lanes::ZERO; giant_points],
             giant_room: vec![0.0; ROWS * giant_points],
+            added: Added::default(),
             skinned: Places { near: coordinates(), rest: coordinates() },
             gradient: coordinates(),
             moves: vec![Move::default(); slots],
@@ -188,6 +204,7 @@ impl Workspace {
         let vectors = [&self.rest, &self.giant_positions, &self.sources];
         coordinates.iter().flat_map(|c| c.iter()).map(|c| size_of_val(&**c)).sum::<usize>()
             + vectors.iter().map(|v| size_of_val(&***v)).sum::<usize>()
+            + self.added.memory_bytes()
             + size_of_val(&*self.moves)
             + size_of_val(&*self.profiled)
             + size_of_val(&*self.holds)
@@ -204,6 +221,9 @@ impl Workspace {
             if let Some(&found) = strengths.iter().find(|s| !(**s >= 0.0 && s.is_finite())) {
                 return Err(Error::Value { what: "strengths", found, needed: "numbers of 0 or more" });
             }
+        }
+        if let Some(is_fleshed) = pose.is_fleshed.filter(|bones| bones.len() != binding.bone_count) {
+            return Err(Error::Length { what: "fleshed", found: is_fleshed.len(), needed: binding.bone_count });
         }
         if !(pose.target_scale > 0.0 && pose.target_scale.is_finite()) {
             return Err(Error::Value { what: "target_scale", found: pose.target_scale, needed: "a number above 0" });
@@ -229,6 +249,7 @@ impl Workspace {
         if total > 0.0 {
             origin /= total;
         }
+        origin += self.take_added(binding, pose.added_offsets)?;
         self.motions.set(&self.channels, armature_from_rest, origin, binding.size, keep_bone_scale);
         if !self.rest.is_empty() {
             binding.mix_shapes(pose.shape_values, &mut self.rest);
@@ -244,10 +265,12 @@ impl Workspace {
         })
     }
 
-    /// Skinned position of a site in armature space.
-    pub(crate) fn skinned_site(&self, binding: &Binding, site: usize) -> DVec3 {
+    /// Skinned position of a vertex in armature space, with what is added to it.
+    pub(crate) fn skinned_vertex(&self, binding: &Binding, vertex: usize) -> DVec3 {
+        let site = binding.sites.site_of_vertex[vertex] as usize;
         let rest = if self.rest.is_empty() { &binding.sites.rest } else { &self.rest };
-        lanes::to(self.motions.palette.skin(&binding.sites.influences, site, rest[site])) + self.motions.palette.origin
+        let skinned = lanes::to(self.motions.palette.skin(&binding.sites.influences, site, rest[site]));
+        skinned + self.added.of_vertex(vertex) + self.motions.palette.origin
     }
 
     /// Figures of the frame, in object space.

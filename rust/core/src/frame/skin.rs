@@ -2,6 +2,7 @@
 
 use fearless_simd::{Level, Simd, dispatch};
 
+use super::added::Added;
 use super::scratch::{Scratch, with_scratch};
 use super::{PatchSums, Workspace, ragged};
 use crate::binding::Binding;
@@ -22,7 +23,7 @@ impl Workspace {
         let has_shapes = !self.rest.is_empty();
         let rest = if has_shapes { &self.rest } else { &binding.sites.rest };
         let stages = if binding.plan.forms.is_none() { Some(&binding.plan.stages) } else { None };
-        let motions = &self.motions;
+        let (motions, added) = (&self.motions, &self.added);
         let change_offsets = stages.map_or(&*patches.no_rows, |stages| &stages.change_offsets()[..=count]);
         let moment_offsets = if stages.is_some() { &patches.numbers } else { &patches.no_rows };
         let (changes, giant_changes) = self.stage_changes.split_at_mut(change_offsets[count] as usize);
@@ -38,7 +39,7 @@ impl Workspace {
                 (Ragged::new(changes, change_offsets), Ragged::new(moments, moment_offsets)),
             ),
             &|index, ((near, rest_of_it), gradient, sources, sums, (changes, moment))| {
-                let from = Skinner { binding, motions, rest, has_shapes, index };
+                let from = Skinner { binding, motions, rest, has_shapes, added, index };
                 let into = Skinned {
                     near: near.map(|row| row.values),
                     rest: rest_of_it.map(|row| row.values),
@@ -67,7 +68,7 @@ impl Workspace {
             let (changes, rest_of_them) = giant_changes.split_at_mut(stages.joint_count(count + index));
             let rows = Rows::new(&mut self.giant_room, corners);
             if let Some(last) = stages.measure(body, *moment, rows, &mut positions, |p| giant_volume(p), changes) {
-                changes[last].loss -= self.giant_volumes[index];
+                changes[last].loss -= if added.is_empty() { self.giant_volumes[index] } else { giant_volume(positions) };
             }
             giant_changes = rest_of_them;
         }
@@ -84,6 +85,7 @@ struct Skinner<'a> {
     motions: &'a Motions,
     rest: &'a [V4],
     has_shapes: bool,
+    added: &'a Added,
     index: usize,
 }
 
@@ -101,7 +103,7 @@ struct Skinned<'a> {
 /// Skins the points a patch sees; keeps those it owns, the gradient of all, and what its joints lose.
 #[inline(always)]
 fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scratch) {
-    let Skinner { binding, motions, rest, has_shapes, index } = from;
+    let Skinner { binding, motions, rest, has_shapes, added, index } = from;
     let (patches, sites, palette, stages) = (&binding.patches, &binding.sites, &motions.palette, &binding.plan.stages);
     let patch = &patches.list[index];
     let slots = &patches.local[patch.local.clone()];
@@ -133,6 +135,14 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
     if !is_skinned {
         for (p, &slot) in p.iter_mut().zip(slots) {
             *p = sites.mean(slot as usize, |site| palette.skin(&sites.influences, site, rest[site]));
+        }
+    }
+    if !added.is_empty() {
+        if let Some(last) = last.take() {
+            into.changes[last].loss -= sweeps::volume(simd, patches, patch, p);
+        }
+        for (p, &slot) in p.iter_mut().zip(slots) {
+            *p = lanes::add(*p, added.of_slot(slot as usize));
         }
     }
     by_point[..slots.len()].fill(lanes::ZERO);

@@ -35,7 +35,12 @@ impl Workspace {
         self.jobs.fill(JobState::default());
         for (index, (job, change)) in binding.plan.jobs.iter().zip(&self.changes).enumerate() {
             let joint = job.joint as usize;
-            let strength = pose.strengths.map_or(settings[joint].strength, |s| s[binding.motions.tree.bones[joint] as usize]);
+            let bone = binding.motions.tree.bones[joint] as usize;
+            if pose.is_fleshed.is_some_and(|bones| bones[bone]) {
+                self.components[job.component as usize].target += change.intent;
+                continue;
+            }
+            let strength = pose.strengths.map_or(settings[joint].strength, |s| s[bone]);
             let given_back = strength * change.loss;
             let state = &mut self.components[job.component as usize];
             state.target += change.intent + (given_back - change.loss);

@@ -1,0 +1,70 @@
+//! What another deformer adds to the skin before its volume is looked at.
+
+use glam::DVec3;
+
+use super::Workspace;
+use crate::binding::Binding;
+use crate::csr::Csr;
+use crate::error::{Error, Result};
+use crate::lanes::{self, V4};
+use crate::patches::NO_SLOT;
+
+/// Offsets of vertices, armature space; empty where nothing is added.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Added {
+    of_vertex: Vec<[f32; 3]>,
+    /// Made when something is added for the first time.
+    vertices_of_slot: Csr<u32>,
+}
+
+impl Added {
+    pub fn is_empty(&self) -> bool {
+        self.of_vertex.is_empty()
+    }
+
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(&*self.of_vertex) + self.vertices_of_slot.memory_bytes()
+    }
+
+    /// Of a point: the mean over its twins.
+    #[inline]
+    pub fn of_slot(&self, slot: usize) -> V4 {
+        let twins = self.vertices_of_slot.row(slot);
+        let sum = twins.iter().fold(lanes::ZERO, |sum, &vertex| lanes::add(sum, self.at(vertex as usize)));
+        lanes::scale(sum, 1.0 / twins.len().max(1) as f64)
+    }
+
+    /// Of a vertex; 0 where nothing is added.
+    pub fn of_vertex(&self, vertex: usize) -> DVec3 {
+        if self.is_empty() { DVec3::ZERO } else { lanes::to(self.at(vertex)) }
+    }
+
+    #[inline]
+    fn at(&self, vertex: usize) -> V4 {
+        let [x, y, z] = self.of_vertex[vertex].map(f64::from);
+        [x, y, z, 0.0]
+    }
+}
+
+impl Workspace {
+    /// Takes offsets in object space, and returns their mean in armature space.
+    pub(super) fn take_added(&mut self, binding: &Binding, offsets: Option<&[[f32; 3]]>) -> Result<DVec3> {
+        self.added.of_vertex.clear();
+        let Some(offsets) = offsets else { return Ok(DVec3::ZERO) };
+        let bound = binding.slot_of_vertex.len();
+        if offsets.len() != bound {
+            return Err(Error::Length { what: "added_offsets", found: offsets.len(), needed: bound });
+        }
+        if let Some(row) = offsets.iter().position(|offset| !offset.iter().all(|c| c.is_finite())) {
+            return Err(Error::NotFinite { what: "added_offsets", row });
+        }
+        if self.added.vertices_of_slot.values().is_empty() {
+            let in_slots: Vec<(u32, u32)> = binding.slot_of_vertex.iter().copied().zip(0..).filter(|(slot, _)| *slot != NO_SLOT).collect();
+            self.added.vertices_of_slot = Csr::from_pairs(binding.patches.slot_count(), &in_slots);
+        }
+        let to_armature = self.object.matrix3.inverse().as_mat3();
+        self.added.of_vertex.extend(offsets.iter().map(|&offset| (to_armature * glam::Vec3::from(offset)).to_array()));
+        let sum: DVec3 = (0..bound).map(|vertex| self.added.of_vertex(vertex)).sum();
+        Ok(sum / bound.max(1) as f64)
+    }
+}
