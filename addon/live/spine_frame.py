@@ -59,8 +59,7 @@ def _flesh(target: bpy.types.Object, known: runtime.Character, bound: Bound, add
     done = perf_counter()
     ctypes.memmove(address, outcome.offsets.ctypes.data, outcome.offsets.nbytes)
     if not runtime.session.is_rendering:
-        rest_volume = 0.0 if body.skin is None else body.skin.rest_volume
-        known.measure = cache(lambda: _figures(outcome, rest_volume))
+        known.measure = cache(lambda: _figures(outcome))
         rest, world = bound.flesh.positions, np.array(target.matrix_world, np.float64)
         known.sketch = cache(lambda: sketch.draw(body, pose, rest + outcome.offsets, world))
         known.local_error = cache(lambda: sketch.local_error(body, rest, pose))
@@ -144,10 +143,10 @@ def _chain(place: NDArray[np.float64], matrices: NDArray[np.float64], tail: NDAr
     return courses.chain_of(place @ matrices, place[:3, :3] @ tail + place[:3, 3])
 
 
-def _figures(outcome: flesh.Outcome, rest_volume: float) -> runtime.SpineFigures:
-    def deviation(volume: float | None) -> float | None:
-        return None if volume is None or rest_volume == 0.0 else 100.0 * (volume / rest_volume - 1.0)
-
-    return runtime.SpineFigures(
-        len(outcome.offsets), outcome.clamped_count, deviation(outcome.fleshed_volume), deviation(outcome.kept_volume)
-    )
+def _figures(outcome: flesh.Outcome) -> runtime.SpineFigures:
+    count, clamped = len(outcome.offsets), outcome.clamped_count
+    volumes = None if outcome.volumes is None else outcome.volumes()
+    if volumes is None or volumes.rest == 0.0:
+        return runtime.SpineFigures(count, clamped, None, None)
+    fleshed, kept = (100.0 * (volume / volumes.rest - 1.0) for volume in volumes[1:])
+    return runtime.SpineFigures(count, clamped, fleshed, kept)

@@ -10,12 +10,10 @@ import turgor
 from numpy.typing import NDArray
 
 from . import splines
+from .skin import Skin, Volumes
 
 Kind = Literal["radial", "normal", "binormal"] | tuple[float, float, float]
 Match = Literal["stations", "relative_length", "length"]
-
-# Vertices of less than this part of the largest area do not move further than others.
-LEAST_AREA = 1e-6
 
 
 class Pose(NamedTuple):
@@ -32,8 +30,7 @@ class Outcome(NamedTuple):
 
     offsets: NDArray[np.float32]  # (N, 3)
     clamped_count: int
-    fleshed_volume: float | None  # total, before the rest was removed
-    kept_volume: float | None
+    volumes: Callable[[], Volumes] | None  # None of a limb
 
 
 class Limb(NamedTuple):
@@ -50,7 +47,7 @@ class Bound(NamedTuple):
     fleshing: turgor.Fleshing  # along the part within reach
     kind: Kind
     match: Match
-    skin: _Skin | None  # where the total volume can be kept
+    shape_values: NDArray[np.float32]
 
 
 class Flesh:
@@ -70,7 +67,9 @@ class Flesh:
         self._shape_deltas = shape_deltas
         self._influence = influence if limb is None else influence * limb.weights
         self.limb = limb
-        self._faces = (face_offsets, face_corners)
+        self._box = np.array([self._positions.min(axis=0), self._positions.max(axis=0)])
+        # Of a limb other bones move the rest: what is missing there is for Turgor Volume to say.
+        self._skin = None if limb else Skin(positions, face_offsets, face_corners, shape_deltas, influence)
         self._current: tuple[object, Bound | None] = (None, None)
 
     @property
@@ -86,7 +85,7 @@ class Flesh:
     @property
     def box(self) -> NDArray[np.float64]:
         """(2, 3) least and greatest coordinates at rest."""
-        return np.array([self._positions.min(axis=0), self._positions.max(axis=0)])
+        return self._box
 
     def bind(
         self,
@@ -110,9 +109,7 @@ class Flesh:
             rest = rest_spine()
             within = splines.trimmed(rest, *reach)
             fleshing = turgor.Fleshing(within, positions, kind, match=match, influence=self._influence)
-            bound = Bound(
-                rest, fleshing, kind, match, None if self.limb else _Skin(positions, *self._faces, self._influence)
-            )
+            bound = Bound(rest, fleshing, kind, match, shape_values)
             self._current = (key, bound)
         return bound
 
@@ -132,50 +129,10 @@ class Flesh:
         if self.limb is not None and pose_matrices is not None:
             skinned = self.limb.skinning.deform(self._positions, pose_matrices, object_from_armature)
             offsets -= (self._influence[:, None] * (skinned - self._positions)).astype(np.float32)
-        if bound.skin is None or bound.skin.rest_volume == 0.0:
-            return Outcome(offsets, report.clamped_count, None, None)
-        return bound.skin.keep(offsets, report.clamped_count, keep_volume and pose.stretch)
-
-
-class _Skin:
-    """The surface of a body that follows its spine as a whole: what is left of its volume can be given back."""
-
-    def __init__(
-        self,
-        positions: NDArray[np.float64],
-        face_offsets: NDArray[np.int32],
-        face_corners: NDArray[np.int32],
-        influence: NDArray[np.float64],
-    ) -> None:
-        self._positions = positions
-        self._mesh = turgor.Mesh(positions, face_offsets, face_corners)
-        self._volumes = self._mesh.component_volumes(positions)
-        self._may_move = influence * _evenly(self._mesh, positions)
-        components = self._mesh.vertex_components
-        moves = np.zeros(len(self._volumes), bool)
-        moves[components[(components >= 0) & (self._may_move > 0)]] = True
-        self._moves = moves
-
-    @property
-    def rest_volume(self) -> float:
-        return float(np.abs(self._volumes).sum())
-
-    def keep(self, offsets: NDArray[np.float32], clamped_count: int, keep_volume: bool) -> Outcome:
-        """Adds to `offsets` what each shell misses, evenly over its skin."""
-        fleshed = self._positions + offsets
-        found = self._mesh.component_volumes(fleshed)
-        total = float((found * np.sign(self._volumes)).sum())
-        if not keep_volume or not self._moves.any():
-            return Outcome(offsets, clamped_count, total, total)
-        target = np.where(self._moves, self._volumes, found)
-        kept = turgor.correct(self._mesh, fleshed, target, self._may_move)
-        np.subtract(kept, self._positions, out=offsets, casting="same_kind")
-        kept_volumes = self._mesh.component_volumes(kept)
-        return Outcome(offsets, clamped_count, total, float((kept_volumes * np.sign(self._volumes)).sum()))
-
-
-def _evenly(mesh: turgor.Mesh, positions: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(N,) factor on the volume's gradient that moves all of the skin alike; 0 where there is no skin."""
-    areas = np.linalg.norm(mesh.volume_gradient(positions), axis=1)
-    most = areas.max(initial=0.0)
-    return 1.0 / np.maximum(areas, LEAST_AREA * most) if most > 0.0 else np.zeros(len(areas))
+        if self._skin is None:
+            return Outcome(offsets, report.clamped_count, None)
+        if keep_volume and pose.stretch:
+            found = self._skin.keep(offsets, bound.shape_values)
+            return Outcome(offsets, report.clamped_count, lambda: found)
+        measure = self._skin.measure
+        return Outcome(offsets, report.clamped_count, lambda: measure(offsets, bound.shape_values))
