@@ -13,6 +13,7 @@ import turgor
 from blend_fixtures.tube import Tube, tube_mesh
 
 from ..enclosed_volume import Indices, Points, Shells, shells
+from .determinants import points_in_tube
 
 # Corners of the unit cube, and its faces counter-clockwise seen from outside.
 CUBE_CORNERS = np.array(list(product((0.0, 1.0), repeat=3)))
@@ -97,7 +98,4 @@ def cubes(corners: Points, size: float) -> Body:
 
 def sample_cubes(start: float, end: float, radius: float, size: float, count: int) -> Body:
     """Cubes with their middles anywhere in a round tube about the X axis; the same middles for every size."""
-    generator = np.random.default_rng(1)
-    angle, reach = generator.uniform(0.0, 2.0 * np.pi, count), radius * np.sqrt(generator.uniform(0.0, 1.0, count))
-    middles = np.stack([generator.uniform(start, end, count), reach * np.cos(angle), reach * np.sin(angle)], axis=1)
-    return cubes(middles - size / 2.0, size)
+    return cubes(points_in_tube(start, end, radius, count) - size / 2.0, size)

@@ -6,11 +6,13 @@ from itertools import pairwise
 from math import pi
 
 import numpy as np
+import turgor
 
 from ..enclosed_volume import Points
 from ..outline import draw_outline
-from .bend import CURVE, KINDS, WAYS, Bend, coil
+from .bend import CURVE, KINDS, UP, WAYS, Bend, Kind, coil
 from .bodies import Body, circle, cubes, extrusion
+from .determinants import determinant_error, points_in_tube
 from .experiment import Claim, Experiment, Picture, Table
 from .gallery import Gallery, Model
 from .words import percent, signed
@@ -20,7 +22,8 @@ RADIUS = 0.4
 CUBE = 0.05
 """Edge of the sample cubes over the radius of the bend."""
 CUBE_COUNT = 3000
-TWIST = 1.5 * pi
+TWIST, STRETCH = 1.5 * pi, 1.3
+DETERMINANT_LIMIT, INVERSE_LIMIT = 1e-8, 1e-12
 # At cubes of 0.05 R; they fall as the square, see the cubes.
 LOCAL_LIMIT, TOTAL_LIMIT = 5e-4, 5e-4
 
@@ -95,17 +98,45 @@ def run(gallery: Gallery) -> Experiment:
             Claim(f"extrusions, {kind}: total", max(abs(found[name, kind][2]) for name in bodies), most=TOTAL_LIMIT),
         )
     ]
+    determinants, inverses = with_twist_and_stretch(bend, RADIUS * radius)
+    point_rows = [
+        ["|det J − 1|, largest", *(f"{determinants[kind]:.1g}" for kind in KINDS)],
+        ["back to where it was, off by, over the length", *(f"{inverses[kind]:.1g}" for kind in KINDS)],
+    ]
+    point_claims = [
+        *(Claim(f"twist, stretch, {kind}: |det J − 1|", determinants[kind], most=DETERMINANT_LIMIT) for kind in KINDS),
+        *(Claim(f"twist, stretch, {kind}: round trip", inverses[kind], most=INVERSE_LIMIT) for kind in KINDS),
+    ]
     experiment = Experiment(
         "extrusions",
         "Extrusions on a coil",
         f"Four profiles drawn out along a curve in space that bends and turns out of its plane. In each, "
         f"{CUBE_COUNT:,} small cubes, {CUBE} of the bend's radius wide, tell what happens to the flesh inside.",
-        [Table(["Extrusion", *WAYS], rows)],
-        claims,
-        {f"{name}, {way}": dict(zip(("mean", "max", "total"), row, strict=True)) for (name, way), row in found.items()},
+        [Table(["Extrusion", *WAYS], rows), Table(["Points, with twist and stretch", *KINDS], point_rows)],
+        [*claims, *point_claims],
+        {f"{name}, {way}": dict(zip(("mean", "max", "total"), row, strict=True)) for (name, way), row in found.items()}
+        | {"determinant": determinants, "round_trip": inverses},
     )
     experiment.pictures.append(pictures(gallery, bend, bodies["star"]))
     return experiment
+
+
+def with_twist_and_stretch(bend: Bend, radius: float) -> tuple[dict[str, float], dict[str, float]]:
+    """By kind, of flesh that is twisted by 270° and stretched by 1.3: |det J − 1|, and round trip over length."""
+    length = bend.posed.length / STRETCH
+    rest = turgor.Spine([(0.0, 0.0, 0.0), (length, 0.0, 0.0)], normal=UP)
+    points = points_in_tube(0.1 * length, 0.9 * length, radius, CUBE_COUNT)
+    determinants, inverses = {}, {}
+    for kind in KINDS:
+
+        def mapped(places: Points, kind: Kind = kind) -> Points:
+            return turgor.flesh(places, rest, bend.posed, kind, match="relative_length", twist=TWIST)
+
+        bound = turgor.Fleshing(rest, points, kind, match="relative_length")
+        back = bound.inverse(mapped(points), bend.posed, twist=TWIST)
+        determinants[kind] = determinant_error(mapped, points)
+        inverses[kind] = float(np.abs(back - points).max()) / length
+    return determinants, inverses
 
 
 def pictures(gallery: Gallery, bend: Bend, body: Body) -> list[Picture]:

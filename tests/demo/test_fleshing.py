@@ -56,6 +56,8 @@ def test_bounds_of_the_issue(found: dict[str, Any], kind: str):
     assert cubes["mean"][kind][cubes["sizes"].index(0.1)] <= 1e-3
     assert cubes["order"][kind] == pytest.approx(2.0, abs=0.1)
     assert cubes["determinant"][kind] <= 1e-8
+    assert found["extrusions"]["determinant"][kind] <= 1e-8
+    assert found["extrusions"]["round_trip"][kind] <= 1e-12
     subdivisions = found["subdivisions"]
     assert subdivisions["vertices"] == [32, 122, 482, 1922]
     assert abs(subdivisions["total"][kind][-1]) <= 2e-4
