@@ -15,7 +15,17 @@ from turgor import TurgorError
 from .. import runtime
 from ..logic import body, fingerprint, weights
 from ..logic.joints import Tables
-from ..scene import carrier, drivers, placement, rest, settings, skeleton, stack
+from ..scene import (
+    carrier,
+    drivers,
+    placement,
+    rest,
+    settings,
+    skeleton,
+    spine_chain,
+    spine_stack,
+    stack,
+)
 from . import profiles
 
 
@@ -28,6 +38,7 @@ class Bound(NamedTuple):
     content: str  # fingerprint of the mesh, weights and bones that were bound
     placement: NDArray[np.float64]  # (4, 4) object_from_armature that was bound
     tables: dict[int, Tables]  # Custom curves, by place of the joint
+    fleshed: list[bool] | None  # per bone, whether Turgor Spine moves its flesh; None where it moves none
 
 
 class BindError(ValueError):
@@ -56,6 +67,7 @@ def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
     known.body = bound
     known.notes = () if bound is None else bound.body.uncorrected_parts()
     difference = stack.render_difference(target, stack.armature_modifier(target))
+    difference = difference or spine_stack.render_difference(target)
     if difference is not None:
         known.notes += (difference,)
     if is_editable(target) and target.override_library is None:
@@ -116,7 +128,16 @@ def _bind(target: bpy.types.Object, before: Bound | None, accept_topology: bool)
         made = _engine(read, bones, group_names, armature, place)
     if is_editable(target):
         _prepare_scene(target, armature.object, bones, made)
-    return Bound(made, bones, armature.object.session_uid, content, place, profiles.tables(target))
+    fleshed = _fleshed(target, bones)
+    return Bound(made, bones, armature.object.session_uid, content, place, profiles.tables(target), fleshed)
+
+
+def _fleshed(target: bpy.types.Object, bones: skeleton.RestBones) -> list[bool] | None:
+    if spine_stack.fleshed_limb(target) is None:
+        return None
+    saved = target.turgor_spine
+    chain = spine_chain.chain_names(saved.rig, saved.first_bone, saved.last_bone) or ()
+    return [name in chain for name in bones.names]
 
 
 def _is_changed(before: Bound | None, rig: bpy.types.Object, content: str) -> bool:

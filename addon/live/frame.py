@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from .. import properties, runtime
 from ..logic import figures, joints
 from ..scene import frame, settings
+from . import spine_frame
 from .binding import Bound
 
 PRESET_NAMES = tuple(item[0].lower() for item in properties.PRESETS)
@@ -51,6 +52,8 @@ def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, a
     options = {"object_from_armature": inputs.object_from_armature, "target_scale": saved.target_volume}
     if len(inputs.shape_values):
         options["shape_values"] = inputs.shape_values
+    if bound.fleshed is not None and (added := spine_frame.added_offsets(target, bound.body.vertex_count)) is not None:
+        options |= {"added_offsets": added, "fleshed": bound.fleshed}
     engine = bound.body.with_settings(
         _key(saved, bound),
         lambda: _joints(target, saved, bound),

@@ -21,7 +21,9 @@ def add(target: bpy.types.Object) -> None:
     armature = stack.armature_modifier(target)
     modifiers = list(target.modifiers)
     ours = target.modifiers.new(node_group.VOLUME.label, "NODES")
-    target.modifiers.move(len(modifiers), modifiers.index(armature) + 1)
+    limb = spine_stack.limb_modifier(target)
+    before = spine_stack.spine_modifier(target) if limb == armature else armature
+    target.modifiers.move(len(modifiers), modifiers.index(before) + 1)
     ours.node_group = node_group.ensure(node_group.VOLUME)
     ours.show_in_editmode = armature.show_in_editmode
     ours.show_group_selector = False

@@ -13,7 +13,16 @@ from numpy.typing import NDArray
 
 from .. import runtime
 from ..logic import courses, flesh, sketch, splines
-from ..scene import frame, placement, shape_keys, spine_chain, spine_curve, spine_stack
+from ..scene import (
+    frame,
+    modifier_inputs,
+    node_group,
+    placement,
+    shape_keys,
+    spine_chain,
+    spine_curve,
+    spine_stack,
+)
 from .spine_binding import Bound
 
 
@@ -39,31 +48,63 @@ def flesh_frame(target: bpy.types.Object, address: int, vertex_count: int) -> bo
     return True
 
 
+def added_offsets(target: bpy.types.Object, vertex_count: int) -> NDArray[np.float32] | None:
+    """(N, 3) what Turgor Spine adds to the skin that Turgor Volume, right after it, corrects; None where nothing.
+
+    Computed anew: nothing makes one modifier's offsets wait for another's.
+    """
+    ours = spine_stack.fleshed_limb(target)
+    known = runtime.session.spines.get(target.original.session_uid)
+    bound: Bound | None = None if known is None else known.body
+    if ours is None or bound is None or bound.flesh.vertex_count != vertex_count:
+        return None
+    strength = float(modifier_inputs.read_input(ours, node_group.STRENGTH))
+    if strength == 0.0 or bound.chosen != spine_stack.chosen(target.turgor_spine):
+        return None
+    return _Frame(target, bound).outcome().offsets * np.float32(strength)
+
+
 def _flesh(target: bpy.types.Object, known: runtime.Character, bound: Bound, address: int) -> None:
     started = perf_counter()
-    saved = target.turgor_spine
-    shape_values = shape_keys.read_values(target)
-    pose_matrices = object_from_armature = None
-    if bound.rest_bones is not None:
-        object_from_armature = placement.object_from_armature(target, saved.rig)
-        read = _Bones(target, bound, object_from_armature)
-        if bound.limb is not None:
-            pose_matrices = np.ascontiguousarray(frame.read_pose(saved.rig)[bound.limb.pose_indices])
-    else:
-        read = _Curve(target, bound)
-    kind: flesh.Kind = tuple(saved.blend) if saved.kind == "BLEND" else saved.kind.lower()
-    body = bound.flesh.bind(read.key, read.rest, (saved.start, saved.end), kind, read.match, shape_values)
-    pose = _pose(read, body, saved)
+    found = _Frame(target, bound)
     ready = perf_counter()
-    outcome = bound.flesh.deform(body, pose, saved.keep_volume, pose_matrices, object_from_armature)
+    outcome = found.outcome()
     done = perf_counter()
     ctypes.memmove(address, outcome.offsets.ctypes.data, outcome.offsets.nbytes)
     if not runtime.session.is_rendering:
-        known.measure = cache(lambda: _figures(outcome))
         rest, world = bound.flesh.positions, np.array(target.matrix_world, np.float64)
+        body, pose = found.body, found.pose
+        known.measure = cache(lambda: _figures(outcome))
         known.sketch = cache(lambda: sketch.draw(body, pose, rest + outcome.offsets, world))
         known.local_error = cache(lambda: sketch.local_error(body, rest, pose))
         known.timing = runtime.Timing(1e3 * (ready - started), 1e3 * (done - ready), 1e3 * (perf_counter() - done))
+
+
+class _Frame:
+    """All that one frame reads."""
+
+    def __init__(self, target: bpy.types.Object, bound: Bound) -> None:
+        saved = target.turgor_spine
+        self._flesh = bound.flesh
+        self._keep_volume = saved.keep_volume
+        self._pose_matrices = self._object_from_armature = None
+        if bound.rest_bones is not None:
+            self._object_from_armature = placement.object_from_armature(target, saved.rig)
+            read = _Bones(target, bound, self._object_from_armature)
+            if bound.limb is not None:
+                self._pose_matrices = np.ascontiguousarray(frame.read_pose(saved.rig)[bound.limb.pose_indices])
+        else:
+            read = _Curve(target, bound)
+        kind: flesh.Kind = tuple(saved.blend) if saved.kind == "BLEND" else saved.kind.lower()
+        shape_values = shape_keys.read_values(target)
+        reach = (saved.start, saved.end)
+        self.body = bound.flesh.bind(read.key, read.rest, reach, kind, read.match, shape_values)
+        self.pose = _pose(read, self.body, saved)
+
+    def outcome(self) -> flesh.Outcome:
+        return self._flesh.deform(
+            self.body, self.pose, self._keep_volume, self._pose_matrices, self._object_from_armature
+        )
 
 
 class _Bones:

@@ -27,6 +27,24 @@ def limb_modifier(ob: bpy.types.Object) -> bpy.types.ArmatureModifier | None:
     return None
 
 
+def fleshed_limb(ob: bpy.types.Object) -> bpy.types.NodesModifier | None:
+    """Turgor Spine where it changes the skin that Turgor Volume, right after it, corrects; None where it is off."""
+    ours = spine_modifier(ob)
+    if ours is None or not ours.show_viewport or limb_modifier(ob) is None:
+        return None
+    modifiers = list(ob.modifiers)
+    following = modifiers[modifiers.index(ours) + 1 :][:1]
+    return ours if following == [stack.volume_modifier(ob)] else None
+
+
+def render_difference(ob: bpy.types.Object) -> str | None:
+    """Why Turgor Volume, after ours, is not right in renders."""
+    ours = spine_modifier(ob)
+    if ours is None or limb_modifier(ob) is None or ours.show_viewport == ours.show_render:
+        return None
+    return f"{ours.name} is on in the viewport or in renders only: renders show plain skinning"
+
+
 def rest_end(ob: bpy.types.Object) -> bpy.types.Modifier | None:
     """The first modifier that the body at rest does not have."""
     return limb_modifier(ob) or spine_modifier(ob)

@@ -43,11 +43,15 @@ def volume_modifier(ob: bpy.types.Object) -> bpy.types.NodesModifier | None:
 
 
 def armature_modifier(ob: bpy.types.Object) -> bpy.types.ArmatureModifier | None:
-    """The Armature that is corrected: right before our modifier, or the last one in use when ours is not there yet."""
+    """The Armature that is corrected: right before our modifier, or the last one in use when ours is not there yet.
+
+    Turgor Spine may stand between: it changes the skin of its own bones, which is then corrected too.
+    """
     ours = volume_modifier(ob)
     modifiers = list(ob.modifiers)
     if ours is not None:
-        modifiers = modifiers[: modifiers.index(ours)][-1:]
+        before = modifiers[: modifiers.index(ours)]
+        modifiers = before[-2:-1] if before and before[-1] == own_modifier(ob, node_group.SPINE) else before[-1:]
     armatures = [modifier for modifier in modifiers if modifier.type == "ARMATURE"]
     in_use = [modifier for modifier in armatures if _is_on(modifier)]
     return (in_use or armatures or [None])[-1]
@@ -232,6 +236,8 @@ def signature(ob: bpy.types.Object) -> tuple[object, ...]:
         read += [(later.name, later.show_viewport, later.show_render) for later in later_armatures(ob, armature)]
     if keys is not None:
         read += [keys.use_relative, [(key.name, key.relative_key.name, key.vertex_group) for key in keys.key_blocks]]
+    spine = own_modifier(ob, node_group.SPINE)
+    read.append(None if spine is None else (spine.name, spine.show_viewport, spine.show_render))
     return (*read, *settings_before(ob, armature), [] if armature is None else settings_of(armature))
 
 

@@ -6,7 +6,8 @@ import bpy
 import numpy as np
 import pytest
 from body import RINGS, add_spine
-from measure import positions
+from measure import positions, volume
+from test_exact import VOLUME_TOLERANCE
 from tube import LAST_FRAME, place, rig, select, tube_mesh
 
 BONES = 6
@@ -78,3 +79,63 @@ def test_nothing_moves_at_rest(limb):
     bpy.context.scene.frame_set(1)
     rest = np.array([vertex.co for vertex in ob.data.vertices], np.float32)
     assert np.abs(positions(ob) - rest).max() <= 1e-5
+
+
+@pytest.mark.usefixtures("route")
+class TestWithVolume:
+    """Turgor Volume after Turgor Spine: the volume of skin and flesh together is exact."""
+
+    @pytest.fixture
+    def both(self, limb):
+        ob, armature, _ = limb
+        select([ob])
+        assert bpy.ops.object.turgor_volume_add() == {"FINISHED"}
+        return ob, armature
+
+    def test_the_total_is_exact_on_every_frame(self, both, runtime):
+        ob, _ = both
+        assert [modifier.name for modifier in ob.modifiers] == ["Armature", "Turgor Spine", "Turgor Volume"]
+        bpy.context.scene.frame_set(1)
+        target = volume(ob)
+        for frame in range(1, LAST_FRAME + 1):
+            bpy.context.scene.frame_set(frame)
+            assert abs(volume(ob) / target - 1.0) <= VOLUME_TOLERANCE
+        assert runtime.character(ob.session_uid).problem is None
+
+    def test_flesh_of_the_chain_is_left_alone(self, both):
+        """Joints that the spine fleshes have nothing to give back: their flesh keeps its own volume."""
+        ob, _ = both
+        bpy.context.scene.frame_set(LAST_FRAME)
+        corrected = positions(ob)
+        ob.modifiers["Turgor Volume"].show_viewport = False
+        bpy.context.view_layer.update()
+        moved = np.linalg.norm(corrected - positions(ob), axis=1)
+        # The last bones' rings, against those of the elbows below.
+        assert moved[-8 * 12 :].max() <= 0.25 * moved.max()
+
+    def test_either_order_of_adding_gives_the_same(self, both):
+        ob, armature = both
+        bpy.context.scene.frame_set(LAST_FRAME)
+        expected = positions(ob)
+        select([ob])
+        bpy.ops.object.turgor_spine_remove()
+        bpy.context.view_layer.update()
+        select([armature, ob])
+        bpy.ops.object.turgor_spine_add()
+        ob.turgor_spine.first_bone, ob.turgor_spine.last_bone = "Bone3", "Bone5"
+        bpy.context.view_layer.update()
+        bpy.context.scene.frame_set(1)
+        bpy.context.scene.frame_set(LAST_FRAME)
+        assert [modifier.name for modifier in ob.modifiers] == ["Armature", "Turgor Spine", "Turgor Volume"]
+        assert np.abs(positions(ob) - expected).max() <= 1e-6
+
+    def test_the_same_after_loading(self, both, tmp_path):
+        ob, _ = both
+        bpy.context.scene.frame_set(13)
+        expected = positions(ob)
+        path = str(tmp_path / "both.blend")
+        bpy.context.scene.frame_set(4)
+        bpy.ops.wm.save_as_mainfile(filepath=path)
+        bpy.ops.wm.open_mainfile(filepath=path)
+        bpy.context.scene.frame_set(13)
+        assert (positions(bpy.data.objects["Tube"]) == expected).all()
