@@ -138,8 +138,11 @@ def _own_sources(carrier: bpy.types.Object) -> list[Source]:
 
 
 def bone_sources(rig: bpy.types.Object, bone_names: Iterable[str]) -> list[Source]:
-    """Where an armature and its bones stand."""
-    return [Source("TRANSFORMS", "OBJECT", rig, name) for name in ("", *bone_names)]
+    """Where an armature and its bones stand, and how the segments of bendy ones lie."""
+    names = tuple(bone_names)
+    stand = [Source("TRANSFORMS", "OBJECT", rig, name) for name in ("", *names)]
+    bendy = (bpy.utils.escape_identifier(name) for name in names if rig.data.bones[name].bbone_segments > 1)
+    return stand + [Source("SINGLE_PROP", "OBJECT", rig, f'pose.bones["{name}"].bbone_curveinx') for name in bendy]
 
 
 def curve_sources(curve: bpy.types.Object) -> list[Source]:

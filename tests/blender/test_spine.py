@@ -254,3 +254,26 @@ def test_undo(route):
     bpy.ops.ed.undo_push(message="twisted")
     bpy.ops.ed.undo()
     assert (_at(bpy.data.objects["Tube"], LAST_FRAME) == expected).all()
+
+
+def test_segments_of_bendy_bones_are_followed(route, runtime):
+    """One bone that bends by its handles carries the body along its curve."""
+    ob, rig = body(), chain(bone_count=1, amount=0.0)
+    rig.animation_data_clear()
+    rig.data.bones[0].bbone_segments = 8
+    rest = positions(ob)
+    saved = add_spine(ob, rig)
+    saved.use_roll = saved.keep_volume = False
+    bpy.context.view_layer.update()
+    assert np.abs(positions(ob) - rest).max() <= 1e-5
+    bone = rig.pose.bones[0]
+    bone.bbone_curveinx = bone.bbone_curveoutx = 0.6
+    bpy.context.view_layer.update()
+    assert runtime.spine(ob.session_uid).problem is None
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    posed = rig.evaluated_get(depsgraph).pose.bones[0]
+    middle = (posed.matrix @ posed.bbone_segment_matrix(4)).translation
+    centres = positions(ob).reshape(-1, 12, 3).mean(axis=1)
+    assert abs(middle.x) > 0.2
+    assert np.linalg.norm(centres - np.array(middle), axis=1).min() <= 0.05
+    assert np.abs(centres[[0, -1], :2]).max() <= 0.15
