@@ -62,6 +62,7 @@ class Timing:
 class Character:
     """One object with one modifier of ours."""
 
+    name: str = ""  # of the object, when it was last evaluated
     body: Any = None  # live.binding.Bound, live.spine_binding.Bound
     signature: tuple[object, ...] = ()
     problem: str | None = None

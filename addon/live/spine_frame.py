@@ -72,6 +72,7 @@ def _flesh(target: bpy.types.Object, known: runtime.Character, bound: Bound, add
     done = perf_counter()
     ctypes.memmove(address, outcome.offsets.ctypes.data, outcome.offsets.nbytes)
     if not runtime.session.is_rendering:
+        known.name = target.name
         rest, world = bound.flesh.positions, np.array(target.matrix_world, np.float64)
         body, pose = found.body, found.pose
         known.measure = cache(lambda: _figures(outcome))

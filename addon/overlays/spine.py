@@ -1,4 +1,4 @@
-"""The spine of the active body: where it rests and lies, its frames, the tube within which the map is exact."""
+"""Spines of bodies that show them: where they rest and lie, frames, the tube within which the map is exact."""
 
 from __future__ import annotations
 
@@ -24,13 +24,18 @@ _handle: Any = None
 
 def draw() -> None:
     """In world space, over the mesh; at once done without a body that wants it."""
-    ob = getattr(bpy.context, "object", None)
-    if ob is None or not runtime.session.spines or not bpy.context.space_data.overlay.show_overlays:
+    if not runtime.session.spines or not bpy.context.space_data.overlay.show_overlays:
         return
-    known = runtime.session.spines.get(ob.session_uid)
-    if known is None or known.sketch is None or not ob.turgor_spine.show_overlay:
-        return
-    sketch = known.sketch()
+    for known in list(runtime.session.spines.values()):
+        sketch = known.sketch
+        if sketch is None:
+            continue
+        ob = bpy.context.view_layer.objects.get(known.name)
+        if ob is not None and ob.turgor_spine.show_overlay and ob.visible_get():
+            _draw(sketch())
+
+
+def _draw(sketch: Any) -> None:
     gpu.state.blend_set("ALPHA")
     try:
         _lines(_segments(sketch.rest), REST_COLOR, LINE_WIDTH)
