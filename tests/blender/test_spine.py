@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import turgor
 from body import add_spine, body, chain
-from measure import positions, volume
+from measure import mesh_positions, positions, volume
 from test_exact import VOLUME_TOLERANCE
 from tube import LAST_FRAME, select
 
@@ -277,3 +277,44 @@ def test_segments_of_bendy_bones_are_followed(route, runtime):
     assert abs(middle.x) > 0.2
     assert np.linalg.norm(centres - np.array(middle), axis=1).min() <= 0.05
     assert np.abs(centres[[0, -1], :2]).max() <= 0.15
+
+
+@pytest.mark.parametrize("is_deleted", [False, True], ids=["modifier removed by its X", "body deleted"])
+def test_what_is_left_behind_is_swept_up(route, tmp_path, is_deleted):
+    ob, rig = body(), chain()
+    add_spine(ob, rig)
+    if is_deleted:
+        select([ob])
+        bpy.ops.object.delete()
+    else:
+        ob.modifiers.remove(ob.modifiers["Turgor Spine"])
+    bpy.context.view_layer.update()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "swept.blend"))
+    assert not [held for held in bpy.data.objects if held.turgor.carrier.mesh is not None]
+    assert not [group for group in bpy.data.node_groups if group.name.startswith("Turgor")]
+    assert is_deleted or ob.turgor_spine.version == 0
+
+
+def test_converting_makes_the_bent_body_the_mesh(route):
+    ob, rig = body(), chain()
+    add_spine(ob, rig)
+    expected = _at(ob, LAST_FRAME)
+    select([ob])
+    bpy.ops.object.convert(target="MESH")
+    assert np.abs(positions(ob) - expected).max() <= 1e-6
+    assert not ob.modifiers
+
+
+def test_two_evaluations_see_their_own_frame():
+    """With pull a second scene at another frame has its own offsets."""
+    ob, rig = body(), chain()
+    add_spine(ob, rig)
+    early, late = _at(ob, 5), _at(ob, LAST_FRAME)
+    other = bpy.data.scenes.new("Other")
+    other.collection.objects.link(ob)
+    other.collection.objects.link(rig)
+    other.frame_set(5)
+    shown = mesh_positions(ob.evaluated_get(other.view_layers[0].depsgraph).data)
+    assert np.abs(early - late).max() > 0.1
+    assert (shown == early).all()
+    assert (positions(ob) == late).all()
