@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
+from body import add_spine
 from measure import evaluated_mesh
 from tube import add_turgor, character, set_strength
 
@@ -69,6 +70,23 @@ def test_pixels_show_the_correction(route, scene, tmp_path):
         bpy.data.objects.remove(reference)
         assert np.abs(corrected[index] - exact[index]).mean() < SAME
         assert np.abs(corrected[index] - plain[index]).mean() > OTHER
+
+
+def test_pixels_show_the_fleshed_body(route, scene, tmp_path):
+    """Turgor Spine along the bones of the rig, without an Armature modifier."""
+    ob, rig = bpy.data.objects["Tube"], bpy.data.objects["Rig"]
+    ob.modifiers.clear()
+    add_spine(ob, rig)
+    fleshed = _animation(scene, tmp_path / "fleshed")
+    ob.modifiers["Turgor Spine"].show_render = False
+    still = _animation(scene, tmp_path / "still")
+    ob.hide_render = True
+    for index, frame in enumerate(FRAMES):
+        reference = _applied(ob, frame)
+        exact = _animation(scene, tmp_path / f"exact{frame}")
+        bpy.data.objects.remove(reference)
+        assert np.abs(fleshed[index] - exact[index]).mean() < SAME
+        assert np.abs(fleshed[index] - still[index]).mean() > OTHER
 
 
 def _subdivided(ob, *, levels=1, render_levels=1):
