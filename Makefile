@@ -61,6 +61,7 @@ dist/.extension: dist/.wheel $(EXTENSION_SOURCES)
 # ---- see it --------------------------------------------------------------------------------------------------------
 
 demo: dist/.extension .fixtures/.ready $(NEWEST)/.ready ## pictures and figures of a character in demo_out/: make demo [SCENE=giraffe | SCENE=fleshing | FILE=path]
+	rm -rf demo_out
 	$(NEWEST)/bin/python -m $(SHOWN) --extension dist/*.zip --output demo_out
 
 # Made by the older Blender, so that both can read them.

@@ -76,6 +76,8 @@ def obstacle(ob: bpy.types.Object) -> str | None:
     if armature is None:
         if volume_modifier(ob) is not None:
             return "No Armature modifier right before Turgor Volume: move Turgor Volume directly below it"
+        if own_modifier(ob, node_group.SPINE) is not None:
+            return "No Armature modifier: Turgor Spine alone keeps the volume by itself, turn on its Exact Volume"
         return "No Armature modifier: give the mesh one (Object > Parent > Armature Deform)"
     return (
         armature_obstacle(ob, armature)

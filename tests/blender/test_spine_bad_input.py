@@ -107,6 +107,14 @@ def test_a_curve_that_collapses(route, runtime):
     assert np.isfinite(positions(ob)).all()
 
 
+def test_volume_is_not_added_to_a_body_without_skin(route):
+    ob, spine = body(), curve()
+    add_spine(ob, spine)
+    select([ob])
+    with pytest.raises(RuntimeError, match="turn on its Exact Volume"):
+        bpy.ops.object.turgor_volume_add()
+
+
 def test_no_curve_yet(route, runtime):
     ob = body()
     select([ob])
