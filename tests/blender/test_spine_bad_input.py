@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import bpy
 import numpy as np
 import pytest
@@ -165,3 +167,46 @@ def test_a_spine_that_folds_back_is_finite(route, runtime):
             bone.rotation_euler = (angle, 0.0, 0.0)
         bpy.context.view_layer.update()
         assert np.isfinite(positions(ob)).all()
+
+
+def test_a_pose_that_is_not_finite(route, runtime, warnings_logged):
+    ob, rig = body(), chain(amount=0.0)
+    rig.animation_data_clear()
+    add_spine(ob, rig)
+    rest = positions(ob)
+    rig.pose.bones["Bone2"].rotation_euler.x = math.nan
+    bpy.context.view_layer.update()
+    assert np.abs(positions(ob) - rest).max() <= 1e-6
+    assert "not finite" in runtime.spine(ob.session_uid).problem
+    assert len([line for line in warnings_logged() if "not finite" in line]) == 1
+    rig.pose.bones["Bone2"].rotation_euler.x = 0.3
+    bpy.context.view_layer.update()
+    assert runtime.spine(ob.session_uid).problem is None
+    assert np.abs(positions(ob) - rest).max() > 0.1
+
+
+def test_a_body_scaled_to_nothing(route, runtime):
+    ob, rig = body(), chain()
+    add_spine(ob, rig)
+    ob.scale = (1.0, 0.0, 1.0)
+    bpy.context.scene.frame_set(LAST_FRAME)
+    assert "scaled to zero" in runtime.spine(ob.session_uid).problem
+    assert np.isfinite(positions(ob)).all()
+
+
+def test_a_body_far_from_its_spine_is_finite(route, runtime):
+    ob, rig = body(), chain()
+    rig.location = (50.0, 0.0, 0.0)
+    bpy.context.view_layer.update()
+    add_spine(ob, rig)
+    bpy.context.scene.frame_set(LAST_FRAME)
+    assert np.isfinite(positions(ob)).all()
+    assert runtime.spine(ob.session_uid).figures.clamped_count > 0
+
+
+def test_a_mesh_without_vertices(route, runtime):
+    ob, rig = body(), chain()
+    ob.data.clear_geometry()
+    add_spine(ob, rig)
+    bpy.context.scene.frame_set(LAST_FRAME)
+    assert "no vertices" in runtime.spine(ob.session_uid).problem
