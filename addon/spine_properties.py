@@ -213,11 +213,13 @@ class TurgorSpine(bpy.types.PropertyGroup):
         override=OVERRIDABLE,
         options=set(),
     )
-    # The body as it was bound, as in `properties.TurgorObject`: the matrix is object_from_spine; and the curve.
+    # The body as it was bound, as in `properties.TurgorObject`: the matrix is object_from_spine; the curve at rest, and
+    # the object, armature or curve, whose rest it is.
     bound_frame: IntProperty(override=OVERRIDABLE, options={"HIDDEN"})
     bound_topology: StringProperty(override=OVERRIDABLE, options={"HIDDEN"})
     bound_placement: FloatVectorProperty(size=16, default=(0.0,) * 16, override=OVERRIDABLE, options={"HIDDEN"})
     bound_curve: PointerProperty(type=bpy.types.Curve, override=OVERRIDABLE)
+    bound_to: PointerProperty(type=bpy.types.Object, override=OVERRIDABLE, options={"HIDDEN"})
 
 
 def register() -> None:

@@ -84,9 +84,10 @@ def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
 
 
 def take_rest(target: bpy.types.Object) -> None:
-    """Let the curve as it is now, and where it stands, be the rest of the body."""
+    """Let the spine where it stands now, and the curve as it is, be the rest of the body."""
     saved = target.turgor_spine
     saved.property_unset("bound_placement")
+    saved.bound_to = saved.rig if saved.source == "BONES" else saved.curve
     before = saved.bound_curve
     if saved.source == "CURVE" and saved.curve is not None:
         copy = saved.bound_curve = saved.curve.data.copy()
@@ -123,6 +124,10 @@ def _bind(target: bpy.types.Object, known: runtime.Character, accept_topology: b
         raise BindError("The mesh has no vertices before Turgor Spine: give it some")
     _check_topology(target, known, read, accept_topology)
     spine = saved.rig if saved.source == "BONES" else saved.curve
+    if saved.bound_to != spine:
+        if not is_editable(target):
+            raise BindError("The body is linked and its spine was never bound: open its file and press Rebind there")
+        take_rest(target)
     limb = spine_stack.limb_modifier(target)
     group_names = [group.name for group in target.vertex_groups]
     groups = (read.weight_offsets, read.weight_groups, read.weights)
@@ -134,8 +139,6 @@ def _bind(target: bpy.types.Object, known: runtime.Character, accept_topology: b
     if saved.source == "BONES":
         chain = spine_chain.chain_names(saved.rig, saved.first_bone, saved.last_bone)
         rest_bones = spine_chain.read_rest(saved.rig, chain)
-    elif saved.bound_curve is None and is_editable(target):
-        take_rest(target)
     held, limb_bones = _limb(target, limb, chain, read, group_names)
     content = fingerprint.fingerprint(
         [*read, influence, *(held.weights[None] if held is not None else ())],

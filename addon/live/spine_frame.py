@@ -36,7 +36,7 @@ def flesh_frame(target: bpy.types.Object, address: int, vertex_count: int) -> bo
     bound: Bound | None = known.body
     if bound is None or bound.flesh.vertex_count != vertex_count:
         return False
-    if bound.chosen != spine_stack.chosen(target.turgor_spine):
+    if not _fits(target, bound):
         runtime.session.waiting.add(original.session_uid)
         return False
     try:
@@ -46,6 +46,12 @@ def flesh_frame(target: bpy.types.Object, address: int, vertex_count: int) -> bo
         return False
     runtime.set_problem(known, original.name, None)
     return True
+
+
+def _fits(target: bpy.types.Object, bound: Bound) -> bool:
+    """Whether the binding is of what is chosen now; scripts choose without telling anybody."""
+    keys = shape_keys.count(target.data.shape_keys)
+    return bound.chosen == spine_stack.chosen(target.turgor_spine) and bound.flesh.shape_count == keys
 
 
 def added_offsets(target: bpy.types.Object, vertex_count: int) -> NDArray[np.float32] | None:
@@ -59,7 +65,7 @@ def added_offsets(target: bpy.types.Object, vertex_count: int) -> NDArray[np.flo
     if ours is None or bound is None or bound.flesh.vertex_count != vertex_count:
         return None
     strength = float(modifier_inputs.read_input(ours, node_group.STRENGTH))
-    if strength == 0.0 or bound.chosen != spine_stack.chosen(target.turgor_spine):
+    if strength == 0.0 or not _fits(target, bound):
         return None
     return _Frame(target, bound).outcome().offsets * np.float32(strength)
 
@@ -73,11 +79,11 @@ def _flesh(target: bpy.types.Object, known: runtime.Character, bound: Bound, add
     ctypes.memmove(address, outcome.offsets.ctypes.data, outcome.offsets.nbytes)
     if not runtime.session.is_rendering:
         known.name = target.name
-        rest, world = bound.flesh.positions, np.array(target.matrix_world, np.float64)
+        world = np.array(target.matrix_world, np.float64)
         body, pose = found.body, found.pose
         known.measure = cache(lambda: _figures(outcome))
-        known.sketch = cache(lambda: sketch.draw(body, pose, rest + outcome.offsets, world))
-        known.local_error = cache(lambda: sketch.local_error(body, rest, pose))
+        known.sketch = cache(lambda: sketch.draw(body, pose, outcome.offsets, world))
+        known.local_error = cache(lambda: sketch.local_error(body, pose))
         known.timing = runtime.Timing(1e3 * (ready - started), 1e3 * (done - ready), 1e3 * (perf_counter() - done))
 
 

@@ -48,6 +48,7 @@ class Bound(NamedTuple):
     kind: Kind
     match: Match
     shape_values: NDArray[np.float32]
+    positions: NDArray[np.float64]  # (N, 3) at rest, with its shape keys
 
 
 class Flesh:
@@ -78,9 +79,9 @@ class Flesh:
         return len(self._positions)
 
     @property
-    def positions(self) -> NDArray[np.float64]:
-        """(N, 3) at rest, without shape keys."""
-        return self._positions
+    def shape_count(self) -> int:
+        """Shape keys without the reference."""
+        return len(self._shape_deltas)
 
     @property
     def box(self) -> NDArray[np.float64]:
@@ -109,7 +110,7 @@ class Flesh:
             rest = rest_spine()
             within = splines.trimmed(rest, *reach)
             fleshing = turgor.Fleshing(within, positions, kind, match=match, influence=self._influence)
-            bound = Bound(rest, fleshing, kind, match, shape_values)
+            bound = Bound(rest, fleshing, kind, match, shape_values, positions)
             self._current = (key, bound)
         return bound
 
@@ -127,8 +128,8 @@ class Flesh:
             offsets, pose.spine, twist=pose.twist, slide=pose.slide, stretch=pose.stretch
         )
         if self.limb is not None and pose_matrices is not None:
-            skinned = self.limb.skinning.deform(self._positions, pose_matrices, object_from_armature)
-            offsets -= (self._influence[:, None] * (skinned - self._positions)).astype(np.float32)
+            skinned = self.limb.skinning.deform(bound.positions, pose_matrices, object_from_armature)
+            offsets -= (self._influence[:, None] * (skinned - bound.positions)).astype(np.float32)
         if self._skin is None:
             return Outcome(offsets, report.clamped_count, None)
         if keep_volume and pose.stretch:

@@ -37,8 +37,8 @@ class LocalError(NamedTuple):
     most: float
 
 
-def draw(bound: Bound, pose: Pose, fleshed: NDArray[np.float64], world: NDArray[np.float64]) -> Sketch:
-    """fleshed: (N, 3) positions of the frame, object space; world: (4, 4) from there."""
+def draw(bound: Bound, pose: Pose, offsets: NDArray[np.float32], world: NDArray[np.float64]) -> Sketch:
+    """offsets: (N, 3) of the frame, object space; world: (4, 4) from there."""
     fleshing = bound.fleshing
     rest, radius = fleshing.rest_spine, body_radius(bound)
     at = np.linspace(*rest.parameter_range, FRAMES)
@@ -51,7 +51,7 @@ def draw(bound: Bound, pose: Pose, fleshed: NDArray[np.float64], world: NDArray[
     pairs = np.stack([rings[:-1], rings[1:]], axis=2).reshape(-1, 3)
     normals = np.stack([frames.positions, frames.positions + radius * frames.normals], axis=1).reshape(-1, 3)
     validity = fleshing.validity(pose.spine, twist=pose.twist, slide=pose.slide, stretch=pose.stretch)
-    outside = fleshed[validity.is_clamped | validity.is_overlapping]
+    outside = (bound.positions + offsets)[validity.is_clamped | validity.is_overlapping]
 
     def line(spine: turgor.Spine) -> NDArray[np.float64]:
         return spine.evaluate(np.linspace(*spine.parameter_range, LINE_POINTS)).positions
@@ -60,9 +60,9 @@ def draw(bound: Bound, pose: Pose, fleshed: NDArray[np.float64], world: NDArray[
     return Sketch(*((part @ world[:3, :3].T + world[:3, 3]).astype(np.float32) for part in parts))
 
 
-def local_error(bound: Bound, positions: NDArray[np.float64], pose: Pose) -> LocalError:
-    """Cubes stand between the spine and some vertices, spread over the body. positions: (N, 3) at rest."""
-    fleshing = bound.fleshing
+def local_error(bound: Bound, pose: Pose) -> LocalError:
+    """Cubes stand between the spine and some vertices, spread over the body."""
+    fleshing, positions = bound.fleshing, bound.positions
     chosen = np.unique(np.linspace(0, len(positions) - 1, CUBES).astype(np.int64))
     on_spine = fleshing.stations.positions[chosen]
     parts = np.random.default_rng(0).uniform(0.2, 0.9, (len(chosen), 1))

@@ -112,6 +112,7 @@ def signature(ob: bpy.types.Object) -> tuple[object, ...]:
     """Settings up to our modifier, and what of the spine at rest is not saved: while equal, so is the binding."""
     saved, end = ob.turgor_spine, rest_end(ob)
     read: list[object] = [ob.data.session_uid, [group.name for group in ob.vertex_groups]]
+    read.append(stack.shape_key_settings(ob.data.shape_keys))
     read += stack.settings_before(ob, end)
     if end is not None and end.type == "ARMATURE":
         read.append(stack.settings_of(end))

@@ -231,16 +231,21 @@ _NOT_SETTINGS = frozenset(
 def signature(ob: bpy.types.Object) -> tuple[object, ...]:
     """Bones at rest, and settings up to the Armature: while equal, they make the same of an unchanged mesh."""
     armature = armature_modifier(ob)
-    keys = ob.data.shape_keys
     read: list[object] = [ob.data.session_uid, [group.name for group in ob.vertex_groups]]
     if armature is not None and armature.object is not None and armature.object.type == "ARMATURE":
         read += skeleton.signature(armature.object.data)
         read += [(later.name, later.show_viewport, later.show_render) for later in later_armatures(ob, armature)]
-    if keys is not None:
-        read += [keys.use_relative, [(key.name, key.relative_key.name, key.vertex_group) for key in keys.key_blocks]]
+    read.append(shape_key_settings(ob.data.shape_keys))
     spine = own_modifier(ob, node_group.SPINE)
     read.append(None if spine is None else (spine.name, spine.show_viewport, spine.show_render))
     return (*read, *settings_before(ob, armature), [] if armature is None else settings_of(armature))
+
+
+def shape_key_settings(keys: bpy.types.Key | None) -> list[object]:
+    """Which keys there are; their values are of the frame."""
+    if keys is None:
+        return []
+    return [keys.use_relative, [(key.name, key.relative_key.name, key.vertex_group) for key in keys.key_blocks]]
 
 
 def settings_before(ob: bpy.types.Object, end: bpy.types.Modifier | None) -> list[object]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
-from body import add_spine, body, bow, curve
+from body import add_spine, body, bow, chain, curve
 from measure import positions, volume
 from test_exact import VOLUME_TOLERANCE
 from tube import LENGTH, select
@@ -158,3 +158,39 @@ def test_a_copy_keeps_its_own_rest(route):
     select([copy])
     bpy.ops.object.turgor_spine_remove()
     assert len(bpy.data.curves) == 1
+
+
+def test_another_spine_is_followed_from_where_it_is(route, runtime):
+    """Choosing another curve, or bones instead, moves nothing until that moves."""
+    ob, first = body(), curve()
+    rest = positions(ob)
+    saved = add_spine(ob, first)
+    bow(first)
+    second = curve(points=6)
+    second.location = (0.2, 0.1, 0.0)
+    for point in second.data.splines[0].bezier_points:
+        point.co.x += 0.1 * point.co.z
+    bpy.context.view_layer.update()
+    saved.curve = second
+    bpy.context.view_layer.update()
+    assert runtime.spine(ob.session_uid).problem is None
+    assert np.abs(positions(ob) - rest).max() <= 1e-6
+    bow(second)
+    assert np.abs(positions(ob) - rest).max() > 0.1
+    rig = chain()
+    saved.rig, saved.first_bone, saved.last_bone, saved.source = rig, "Bone0", "Bone4", "BONES"
+    bpy.context.view_layer.update()
+    assert np.abs(positions(ob) - rest).max() <= 1e-6
+    bpy.context.scene.frame_set(20)
+    assert np.abs(positions(ob) - rest).max() > 0.1
+
+
+def test_a_renamed_spine_keeps_its_rest(route):
+    ob, spine = body(), curve()
+    add_spine(ob, spine)
+    bow(spine)
+    bent = positions(ob)
+    spine.name = "Another Name"
+    bpy.context.view_layer.update()
+    bow(spine)
+    assert np.abs(positions(ob) - bent).max() <= 1e-6

@@ -66,6 +66,26 @@ def test_flesh_of_the_chain_follows_it(limb):
     assert np.abs(positions(ob)[held] - positions(other)[held]).max() <= 1e-5
 
 
+def test_shape_keys_turn_with_the_flesh(limb):
+    """A bump of the chain's flesh is where a body without weights has it."""
+    ob, armature, _ = limb
+    ob.shape_key_add(name="Basis")
+    key = ob.shape_key_add(name="Bump")
+    for point, vertex in zip(key.data, ob.data.vertices, strict=True):
+        point.co = (vertex.co.x * 1.3, vertex.co.y * 1.3, vertex.co.z)
+    key.value = 1.0
+    held = np.array(
+        [all(ob.vertex_groups[g.group].name >= "Bone3" for g in vertex.groups) for vertex in ob.data.vertices]
+    )
+    other = bpy.data.objects.new("Other", ob.data)
+    bpy.context.scene.collection.objects.link(other)
+    bpy.context.scene.frame_set(1)
+    saved = add_spine(other, armature)
+    saved.first_bone, saved.last_bone, saved.keep_volume = "Bone3", "Bone5", False
+    bpy.context.scene.frame_set(LAST_FRAME)
+    assert np.abs(positions(ob)[held] - positions(other)[held]).max() <= 1e-5
+
+
 def test_follows_the_switches_of_the_armature(limb):
     ob, _, _ = limb
     rest = np.array([vertex.co for vertex in ob.data.vertices], np.float32)
