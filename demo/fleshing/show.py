@@ -8,12 +8,12 @@ from pathlib import Path
 import bpy
 import turgor
 
-from . import arcs, cube_sizes, dolphin_slide, extrusions, frames, speed, subdivisions, two_bends
+from . import arcs, cube_sizes, dolphin_slide, extrusions, frames, snake_slither, speed, subdivisions, two_bends
 from .gallery import Gallery
 from .page import page
 from .report import Report
 
-EXPERIMENTS = (dolphin_slide, arcs, cube_sizes, extrusions, two_bends, subdivisions, frames, speed)
+EXPERIMENTS = (dolphin_slide, snake_slither, arcs, cube_sizes, extrusions, two_bends, subdivisions, frames, speed)
 
 
 def show(output: Path) -> None:

@@ -15,7 +15,7 @@ import pytest
 REPOSITORY = Path(__file__).resolve().parents[2]
 CURVE = "Curve modifier"
 KINDS = ("radial", "normal", "binormal")
-EXPERIMENTS = {"dolphin", "arcs", "cubes", "extrusions", "two_bends", "subdivisions", "frames", "speed"}
+EXPERIMENTS = {"dolphin", "snake", "arcs", "cubes", "extrusions", "two_bends", "subdivisions", "frames", "speed"}
 # Times on a machine that does other work as well: how far they may be beyond their bound.
 SLACK = 2.0
 
