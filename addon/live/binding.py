@@ -27,6 +27,7 @@ from ..scene import (
     stack,
 )
 from . import profiles
+from .binding_rules import BindError, check_topology, is_editable
 
 
 class Bound(NamedTuple):
@@ -39,15 +40,6 @@ class Bound(NamedTuple):
     placement: NDArray[np.float64]  # (4, 4) object_from_armature that was bound
     tables: dict[int, Tables]  # Custom curves, by place of the joint
     fleshed: list[bool] | None  # per bone, whether Turgor Spine moves its flesh; None where it moves none
-
-
-class BindError(ValueError):
-    """Why the character cannot be corrected, and what to do."""
-
-
-def is_editable(ob: bpy.types.Object) -> bool:
-    """Local, or a library override: what is written will be saved."""
-    return ob.library is None
 
 
 def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
@@ -110,7 +102,7 @@ def _bind(target: bpy.types.Object, before: Bound | None, accept_topology: bool)
     read = rest.read_rest(target, armature, target.turgor.bound_frame)
     if not len(read.positions):
         raise BindError("The mesh has no vertices before the Armature modifier: give it some")
-    _check_topology(target, read, accept_topology)
+    check_topology(target.turgor, runtime.character(target.session_uid), read, accept=accept_topology)
     content = fingerprint.fingerprint(
         [*read, *bones[1:]],
         bones.names,
@@ -154,18 +146,6 @@ def _placement(target: bpy.types.Object, rig: bpy.types.Object, *, is_changed: b
         placement.save(target.turgor, rig)
         saved = placement.bound_object_from_armature(target.turgor)
     return placement.object_from_armature(target, rig) if saved is None else saved
-
-
-def _check_topology(target: bpy.types.Object, read: rest.RestMesh, accept: bool) -> None:
-    found = fingerprint.fingerprint([read.face_offsets, read.face_corners], len(read.positions))
-    saved = target.turgor.bound_topology
-    if found == saved:
-        return
-    if saved and not accept:
-        runtime.character(target.session_uid).needs_rebind = True
-        raise BindError("Mesh changed: its vertices or faces are others than when it was bound; press Rebind")
-    if is_editable(target):
-        target.turgor.bound_topology = found
 
 
 def _engine(

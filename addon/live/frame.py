@@ -15,6 +15,7 @@ from ..logic import figures, joints
 from ..scene import frame, settings
 from . import spine_frame
 from .binding import Bound
+from .guard import guarded
 
 PRESET_NAMES = tuple(item[0].lower() for item in properties.PRESETS)
 
@@ -24,21 +25,16 @@ def correct(target: bpy.types.Object, address: int, vertex_count: int) -> bool:
 
     False: there is nothing to show but plain skinning, offsets must be zero.
     """
-    original = target.original
-    uid = original.session_uid
-    known = runtime.session.characters.get(uid)
-    if known is None:
-        runtime.session.waiting.add(uid)
-        return False
+    return guarded(
+        runtime.session.characters, target, lambda known: _correct_bound(target, known, address, vertex_count)
+    )
+
+
+def _correct_bound(target: bpy.types.Object, known: runtime.Character, address: int, vertex_count: int) -> bool:
     bound: Bound | None = known.body
     if bound is None or bound.body.vertex_count != vertex_count:
         return False
-    try:
-        _correct(target, known, bound, address)
-    except Exception as error:  # nothing may leave a getter or a handler; the artist reads it in the panel
-        runtime.set_problem(known, original.name, str(error) or repr(error))
-        return False
-    runtime.set_problem(known, original.name, None)
+    _correct(target, known, bound, address)
     return True
 
 

@@ -9,6 +9,7 @@ import bpy
 from .. import properties, runtime
 from ..scene import carrier, curves, drivers, node_group, spine_stack, stack
 from . import binding, spine_housekeeping
+from .binding_rules import is_editable
 
 
 def characters() -> list[bpy.types.Object]:
@@ -19,16 +20,10 @@ def characters() -> list[bpy.types.Object]:
 def add(target: bpy.types.Object) -> None:
     """Put the modifier after the Armature and bind. The object has no obstacle and no modifier of ours."""
     armature = stack.armature_modifier(target)
-    modifiers = list(target.modifiers)
-    ours = target.modifiers.new(node_group.VOLUME.label, "NODES")
     limb = spine_stack.limb_modifier(target)
     before = spine_stack.spine_modifier(target) if limb == armature else armature
-    target.modifiers.move(len(modifiers), modifiers.index(before) + 1)
-    ours.node_group = node_group.ensure(node_group.VOLUME)
-    ours.show_in_editmode = armature.show_in_editmode
-    ours.show_group_selector = False
-    if hasattr(ours, "show_manage_panel"):  # from Blender 5.0 on
-        ours.show_manage_panel = False
+    place = list(target.modifiers).index(before) + 1
+    ours = stack.add_own_modifier(target, node_group.VOLUME, place, show_in_editmode=armature.show_in_editmode)
     saved = target.turgor
     saved.version = properties.DATA_VERSION
     saved.bound_frame = bpy.context.scene.frame_current
@@ -66,7 +61,7 @@ def forget_settings(target: bpy.types.Object) -> None:
 def give_own_carriers(objects: Iterable[bpy.types.Object]) -> None:
     """After Shift-D a copy reads the carrier and the curves of its original; give it its own."""
     for ob in objects:
-        if stack.volume_modifier(ob) is None or not binding.is_editable(ob):
+        if stack.volume_modifier(ob) is None or not is_editable(ob):
             continue
         holder = carrier.carrier_of(ob)
         if holder is not None and holder.turgor.carrier.target == ob:

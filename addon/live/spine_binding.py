@@ -28,34 +28,20 @@ from ..scene import (
     spine_stack,
     stack,
 )
-
-
-class Limb(NamedTuple):
-    """Bones of the chain that skin the body."""
-
-    pose_indices: NDArray[np.int32]
+from .binding_rules import BindError, check_topology, is_editable
 
 
 class Bound(NamedTuple):
     """A body and its spine at rest, in the spine's own space."""
 
     flesh: flesh.Flesh
-    content: str  # fingerprint of the body that was bound
+    content: str  # fingerprint of the mesh and of who follows
     placement: NDArray[np.float64]  # (4, 4) object_from_spine that was bound
     chain: tuple[str, ...]  # names of its bones; empty for curves
     rest_bones: tuple[NDArray[np.float64], NDArray[np.float64]] | None  # `spine_chain.read_rest`
     rest_curve: spine_curve.SplinePoints | None
-    limb: Limb | None
+    limb_indices: NDArray[np.int32] | None  # places in the pose of the bones that skin a limb
     chosen: tuple[object, ...]  # `spine_stack.chosen`
-
-
-class BindError(ValueError):
-    """Why the body cannot follow, and what to do."""
-
-
-def is_editable(ob: bpy.types.Object) -> bool:
-    """Local, or a library override: what is written will be saved."""
-    return ob.library is None
 
 
 def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
@@ -122,7 +108,7 @@ def _bind(target: bpy.types.Object, known: runtime.Character, accept_topology: b
     read = rest.read_rest(target, spine_stack.rest_end(target), saved.bound_frame)
     if not len(read.positions):
         raise BindError("The mesh has no vertices before Turgor Spine: give it some")
-    _check_topology(target, known, read, accept_topology)
+    check_topology(saved, known, read, accept=accept_topology)
     spine = saved.rig if saved.source == "BONES" else saved.curve
     if saved.bound_to != spine:
         if not is_editable(target):
@@ -140,13 +126,9 @@ def _bind(target: bpy.types.Object, known: runtime.Character, accept_topology: b
         chain = spine_chain.chain_names(saved.rig, saved.first_bone, saved.last_bone)
         rest_bones = spine_chain.read_rest(saved.rig, chain)
     held, limb_bones = _limb(target, limb, chain, read, group_names)
-    content = fingerprint.fingerprint(
-        [*read, influence, *(held.weights[None] if held is not None else ())],
-        saved.rig and saved.rig.session_uid,
-        limb is not None and (limb.use_deform_preserve_volume, limb.vertex_group, limb.invert_vertex_group),
-    )
+    content = fingerprint.fingerprint([*read, influence])
     before: Bound | None = known.body
-    if before is not None and before.content == content and held is None:
+    if held is None and before is not None and before.limb_indices is None and before.content == content:
         body = before.flesh
     else:
         body = flesh.Flesh(read.positions, read.face_offsets, read.face_corners, read.shape_deltas, influence, held)
@@ -158,7 +140,7 @@ def _bind(target: bpy.types.Object, known: runtime.Character, accept_topology: b
     if is_editable(target):
         _prepare_scene(target, spine, chain or (), limb_bones, body)
     rest_curve = None if saved.bound_curve is None else spine_curve.read_curve(saved.bound_curve)
-    indices = None if limb_bones is None else Limb(limb_bones.pose_indices)
+    indices = None if limb_bones is None else limb_bones.pose_indices
     return Bound(body, content, place, chain or (), rest_bones, rest_curve, indices, spine_stack.chosen(saved))
 
 
@@ -189,18 +171,6 @@ def _limb(
         mode="dual_quaternion" if armature.use_deform_preserve_volume else "linear",
     )
     return flesh.Limb(skinning, held), bones
-
-
-def _check_topology(target: bpy.types.Object, known: runtime.Character, read: rest.RestMesh, accept: bool) -> None:
-    found = fingerprint.fingerprint([read.face_offsets, read.face_corners], len(read.positions))
-    saved = target.turgor_spine.bound_topology
-    if found == saved:
-        return
-    if saved and not accept:
-        known.needs_rebind = True
-        raise BindError("Mesh changed: its vertices or faces are others than when it was bound; press Rebind")
-    if is_editable(target):
-        target.turgor_spine.bound_topology = found
 
 
 def _set_switches(target: bpy.types.Object, *, is_same: bool) -> None:

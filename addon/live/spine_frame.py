@@ -23,28 +23,23 @@ from ..scene import (
     spine_curve,
     spine_stack,
 )
+from .guard import guarded
 from .spine_binding import Bound
 
 
 def flesh_frame(target: bpy.types.Object, address: int, vertex_count: int) -> bool:
     """Flesh the evaluated `target`; offsets, (N, 3) float32, go to `address`. False: offsets must be zero."""
-    original = target.original
-    known = runtime.session.spines.get(original.session_uid)
-    if known is None:
-        runtime.session.waiting.add(original.session_uid)
-        return False
+    return guarded(runtime.session.spines, target, lambda known: _flesh_bound(target, known, address, vertex_count))
+
+
+def _flesh_bound(target: bpy.types.Object, known: runtime.Character, address: int, vertex_count: int) -> bool:
     bound: Bound | None = known.body
     if bound is None or bound.flesh.vertex_count != vertex_count:
         return False
     if not _fits(target, bound):
-        runtime.session.waiting.add(original.session_uid)
+        runtime.session.waiting.add(target.original.session_uid)
         return False
-    try:
-        _flesh(target, known, bound, address)
-    except Exception as error:  # nothing may leave a getter or a handler; the artist reads it in the panel
-        runtime.set_problem(known, original.name, str(error) or repr(error))
-        return False
-    runtime.set_problem(known, original.name, None)
+    _flesh(target, known, bound, address)
     return True
 
 
@@ -98,8 +93,8 @@ class _Frame:
         if bound.rest_bones is not None:
             self._object_from_armature = placement.object_from_armature(target, saved.rig)
             read = _Bones(target, bound, self._object_from_armature)
-            if bound.limb is not None:
-                self._pose_matrices = np.ascontiguousarray(frame.read_pose(saved.rig)[bound.limb.pose_indices])
+            if bound.limb_indices is not None:
+                self._pose_matrices = np.ascontiguousarray(frame.read_pose(saved.rig)[bound.limb_indices])
         else:
             read = _Curve(target, bound)
         kind: flesh.Kind = tuple(saved.blend) if saved.kind == "BLEND" else saved.kind.lower()
@@ -125,7 +120,7 @@ class _Bones:
         self._use_roll = saved.use_roll
         matrices, tail = bound.rest_bones
         # Skin of a limb follows its armature wherever that stands; a body without one was bound where it stood.
-        place = bound.placement if bound.limb is None else object_from_armature
+        place = bound.placement if bound.limb_indices is None else object_from_armature
         self._rest = _chain(place, matrices, tail)
         self._posed = _chain(object_from_armature, *spine_chain.read_posed(saved.rig, bound.chain))
         self._at = courses.stations(len(self._rest.joints), self._course, saved.bend_width)

@@ -7,8 +7,9 @@ from collections.abc import Iterable
 import bpy
 
 from .. import runtime
-from ..scene import carrier, drivers, node_group, spine_stack
+from ..scene import carrier, drivers, node_group, spine_stack, stack
 from . import spine_binding
+from .binding_rules import is_editable
 
 
 def bodies() -> list[bpy.types.Object]:
@@ -20,13 +21,7 @@ def add(target: bpy.types.Object) -> None:
     """Put the modifier into the stack and bind; its spine is chosen, or the panel asks for one."""
     saved = target.turgor_spine
     place = spine_stack.place_for_new(target, saved.rig if saved.source == "BONES" else None)
-    ours = target.modifiers.new(node_group.SPINE.label, "NODES")
-    target.modifiers.move(len(target.modifiers) - 1, place)
-    ours.node_group = node_group.ensure(node_group.SPINE)
-    ours.show_in_editmode = True
-    ours.show_group_selector = False
-    if hasattr(ours, "show_manage_panel"):  # from Blender 5.0 on
-        ours.show_manage_panel = False
+    stack.add_own_modifier(target, node_group.SPINE, place, show_in_editmode=True)
     saved.bound_frame = bpy.context.scene.frame_current
     carrier.assign(target, carrier.create(target, node_group.SPINE))
     spine_binding.bind(target, accept_topology=True)
@@ -56,7 +51,7 @@ def give_own_carriers(objects: Iterable[bpy.types.Object]) -> None:
     """After Shift-D a copy reads the carrier and the rest curve of its original; give it its own."""
     for ob in objects:
         holder = carrier.carrier_of(ob, node_group.SPINE) if spine_stack.spine_modifier(ob) is not None else None
-        if holder is None or holder.turgor.carrier.target == ob or not spine_binding.is_editable(ob):
+        if holder is None or holder.turgor.carrier.target == ob or not is_editable(ob):
             continue
         if ob.turgor_spine.bound_curve is not None:
             ob.turgor_spine.bound_curve = ob.turgor_spine.bound_curve.copy()

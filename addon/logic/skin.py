@@ -33,33 +33,31 @@ class Skin:
     ) -> None:
         """Shapes as in `scene.rest.RestMesh`. influence: (N,), vertices of 0 stay where they are."""
         self._mesh = turgor.Mesh(positions, face_offsets, face_corners)
-        self._positions = positions.astype(np.float64)
-        self._shape_deltas = shape_deltas
         # To the engine a skin without bones: all that moves it is added.
         still = turgor.Skinning(turgor.Skeleton([-1], [np.eye(4)]), np.zeros(len(positions) + 1, np.int32), [], [])
         deltas = shape_deltas if len(shape_deltas) else None
         self._body = turgor.VolumeSkin(self._mesh, still, shape_deltas=deltas)
         self._is_whole = bool((influence == 1.0).all())
-        self._may_move = influence * _evenly(self._mesh, self._positions)
+        self._may_move = influence * _evenly(self._mesh)
 
-    def keep(self, offsets: NDArray[np.float32], shape_values: NDArray[np.float32]) -> Volumes:
-        """Adds to `offsets`, (N, 3), what each shell misses, evenly over its skin."""
+    def keep(
+        self, offsets: NDArray[np.float32], rest: NDArray[np.float64], shape_values: NDArray[np.float32]
+    ) -> Volumes:
+        """Adds to `offsets`, (N, 3), what each shell misses, evenly over its skin. rest: with its shape keys."""
         if not self._is_whole:
-            return self._keep_in_part(offsets, shape_values)
+            return self._keep_in_part(offsets, rest)
         correction = np.empty_like(offsets)
         report = self._body.deform_into(correction, [np.eye(4)], added_offsets=offsets, shape_values=shape_values)
         offsets += correction
         volumes = (report.target_volumes, report.skinned_volumes, report.corrected_volumes)
         return Volumes(*(float(np.abs(each).sum()) for each in volumes))
 
-    def measure(self, offsets: NDArray[np.float32], shape_values: NDArray[np.float32]) -> Volumes:
+    def measure(self, offsets: NDArray[np.float32], rest: NDArray[np.float64]) -> Volumes:
         """The volumes with nothing given back."""
-        rest = self._shaped(shape_values)
         before, after = (float(np.abs(self._mesh.component_volumes(p)).sum()) for p in (rest, rest + offsets))
         return Volumes(before, after, after)
 
-    def _keep_in_part(self, offsets: NDArray[np.float32], shape_values: NDArray[np.float32]) -> Volumes:
-        rest = self._shaped(shape_values)
+    def _keep_in_part(self, offsets: NDArray[np.float32], rest: NDArray[np.float64]) -> Volumes:
         fleshed = rest + offsets
         target, found = self._mesh.component_volumes(rest), self._mesh.component_volumes(fleshed)
         components = self._mesh.vertex_components
@@ -70,14 +68,9 @@ class Skin:
         volumes = (target, found, self._mesh.component_volumes(kept))
         return Volumes(*(float(np.abs(each).sum()) for each in volumes))
 
-    def _shaped(self, shape_values: NDArray[np.float32]) -> NDArray[np.float64]:
-        if not shape_values.any():
-            return self._positions
-        return self._positions + np.tensordot(shape_values.astype(np.float64), self._shape_deltas, 1)
 
-
-def _evenly(mesh: turgor.Mesh, positions: NDArray[np.float64]) -> NDArray[np.float64]:
+def _evenly(mesh: turgor.Mesh) -> NDArray[np.float64]:
     """(N,) factor on the volume's gradient that moves all of the skin alike; 0 where there is no skin."""
-    areas = np.linalg.norm(mesh.volume_gradient(positions), axis=1)
+    areas = np.linalg.norm(mesh.volume_gradient(mesh.rest_positions), axis=1)
     most = areas.max(initial=0.0)
     return 1.0 / np.maximum(areas, LEAST_AREA * most) if most > 0.0 else np.zeros(len(areas))

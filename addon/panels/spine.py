@@ -6,6 +6,7 @@ import bpy
 
 from .. import runtime
 from .percent import signed_percent
+from .state import draw_problem, draw_timing
 from .text import draw_wrapped
 
 PARENT_PANEL = "TURGOR_PT_spine"
@@ -27,8 +28,8 @@ class TURGOR_PT_spine(bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         ob = context.object
-        known = runtime.session.spines.get(ob.session_uid, runtime.Character())
-        _draw_problem(self.layout, context, known)
+        known = _known(ob)
+        draw_problem(self.layout, context, known, "object.turgor_spine_rebind")
         _draw_readout(self.layout, context, ob, known)
         for note in known.notes:
             draw_wrapped(self.layout, context, note, "INFO")
@@ -62,27 +63,15 @@ class TURGOR_PT_spine_settings(bpy.types.Panel):
         buttons = self.layout.row(align=True)
         buttons.operator("object.turgor_spine_rebind", icon="FILE_REFRESH")
         buttons.operator("object.turgor_spine_remove", text="Remove", icon="X")
-        known = runtime.session.spines.get(ob.session_uid)
-        if known is not None and known.timing is not None:
-            line = self.layout.row()
-            line.active = False
-            line.label(text=f"{known.timing.total:.2f} ms per frame")
+        draw_timing(self.layout, _known(ob))
 
 
 def _has_spine(ob: bpy.types.Object | None) -> bool:
     return ob is not None and ob.type == "MESH" and ob.turgor_spine.version > 0
 
 
-def _draw_problem(layout: bpy.types.UILayout, context: bpy.types.Context, known: runtime.Character) -> None:
-    if known.problem is None:
-        return
-    box = layout.box()
-    box.alert = True
-    draw_wrapped(box, context, known.problem, "ERROR")
-    if known.needs_rebind:
-        button = box.row()
-        button.alert = False
-        button.operator("object.turgor_spine_rebind", icon="FILE_REFRESH")
+def _known(ob: bpy.types.Object) -> runtime.Character:
+    return runtime.session.spines.get(ob.session_uid, runtime.Character())
 
 
 def _draw_readout(

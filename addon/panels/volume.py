@@ -8,6 +8,7 @@ from .. import runtime
 from .joint import draw_joint
 from .joints import columns
 from .percent import signed_percent
+from .state import draw_problem, draw_timing
 from .text import draw_wrapped
 
 PARENT_PANEL = "TURGOR_PT_volume"
@@ -37,7 +38,7 @@ class TURGOR_PT_volume(bpy.types.Panel):
             self.layout.operator("object.turgor_volume_add", text="Add Turgor Volume", icon="ADD")
             return
         known = _known(ob)
-        _draw_problem(self.layout, context, known)
+        draw_problem(self.layout, context, known, "object.turgor_volume_rebind")
         _draw_readout(self.layout, known)
         _draw_notes(self.layout, context, known)
         _draw_joints(self.layout, context, ob)
@@ -77,18 +78,6 @@ def _known(ob: bpy.types.Object) -> runtime.Character:
     return runtime.session.characters.get(ob.session_uid, runtime.Character())
 
 
-def _draw_problem(layout: bpy.types.UILayout, context: bpy.types.Context, known: runtime.Character) -> None:
-    if known.problem is None:
-        return
-    box = layout.box()
-    box.alert = True
-    draw_wrapped(box, context, known.problem, "ERROR")
-    if known.needs_rebind:
-        button = box.row()
-        button.alert = False
-        button.operator("object.turgor_volume_rebind", icon="FILE_REFRESH")
-
-
 def _draw_readout(layout: bpy.types.UILayout, known: runtime.Character) -> None:
     figures = known.figures
     if figures is None:
@@ -121,10 +110,7 @@ def _draw_joints(layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy
 
 
 def _draw_state(layout: bpy.types.UILayout, context: bpy.types.Context, known: runtime.Character) -> None:
-    if known.timing is not None:
-        line = layout.row()
-        line.active = False
-        line.label(text=f"{known.timing.total:.2f} ms per frame")
+    draw_timing(layout, known)
     if runtime.session.route == "PUSH":
         text = f"Evaluates each frame twice: {runtime.session.route_reason}"
         draw_wrapped(layout.column(align=True), context, text, "INFO")

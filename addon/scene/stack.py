@@ -37,6 +37,20 @@ def own_modifier(ob: bpy.types.Object, kind: node_group.Kind) -> bpy.types.Nodes
     return None
 
 
+def add_own_modifier(
+    ob: bpy.types.Object, kind: node_group.Kind, place: int, *, show_in_editmode: bool
+) -> bpy.types.NodesModifier:
+    """A new modifier of this kind at a place of the stack, without Blender's own panel of settings."""
+    ours = ob.modifiers.new(kind.label, "NODES")
+    ob.modifiers.move(len(ob.modifiers) - 1, place)
+    ours.node_group = node_group.ensure(kind)
+    ours.show_in_editmode = show_in_editmode
+    ours.show_group_selector = False
+    if hasattr(ours, "show_manage_panel"):  # from Blender 5.0 on
+        ours.show_manage_panel = False
+    return ours
+
+
 def volume_modifier(ob: bpy.types.Object) -> bpy.types.NodesModifier | None:
     """Turgor Volume."""
     return own_modifier(ob, node_group.VOLUME)

@@ -1,0 +1,31 @@
+"""What keeps every frame from harm: nothing may leave a getter or a handler. Safe on a worker thread."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import bpy
+
+from .. import runtime
+
+
+def guarded(
+    characters: dict[int, runtime.Character], target: bpy.types.Object, compute: Callable[[runtime.Character], bool]
+) -> bool:
+    """Runs one frame of the evaluated `target`; False: there is nothing to show, offsets must be zero.
+
+    characters: of this kind of modifier. compute: False where no binding fits. What it raises is for the panel.
+    """
+    original = target.original
+    known = characters.get(original.session_uid)
+    if known is None:
+        runtime.session.waiting.add(original.session_uid)
+        return False
+    try:
+        is_shown = compute(known)
+    except Exception as error:  # the artist reads it in the panel
+        runtime.set_problem(known, original.name, str(error) or repr(error))
+        return False
+    if is_shown:
+        runtime.set_problem(known, original.name, None)
+    return is_shown
