@@ -7,8 +7,9 @@ from typing import Any
 import bpy
 from bpy.app.handlers import persistent
 
-from . import migrations, properties, runtime
+from . import migrations, runtime
 from .live import housekeeping, pull, push, route, start
+from .properties import carrier
 from .scene import node_group
 
 
@@ -124,7 +125,7 @@ HANDLERS = (
 
 
 def register() -> None:
-    properties.TurgorCarrier.on_tick = staticmethod(pull.on_tick)
+    carrier.TurgorCarrier.on_tick = staticmethod(pull.on_tick)
     for event, handler in HANDLERS:
         getattr(bpy.app.handlers, event).append(handler)
     if not bpy.app.background:
@@ -136,5 +137,5 @@ def unregister() -> None:
         bpy.app.timers.unregister(follow_dragged_curve)
     for event, handler in reversed(HANDLERS):
         getattr(bpy.app.handlers, event).remove(handler)
-    properties.TurgorCarrier.on_tick = staticmethod(properties.ignore_tick)
+    carrier.TurgorCarrier.on_tick = staticmethod(carrier.ignore_tick)
     runtime.session = runtime.Session()

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 
 import bpy
 
-from .properties import DATA_VERSION
+from .properties.character import DATA_VERSION
 
 # Step n turns settings of version n + 1 into n + 2. Append only; each step has a fixture saved by its release.
 STEPS: tuple[Callable[[bpy.types.Object], None], ...] = ()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import handlers, properties, spine_properties
+from . import handlers, properties
 from .operators.add import OBJECT_OT_turgor_volume_add
 from .operators.add import draw as draw_add
 from .operators.rebind import OBJECT_OT_turgor_volume_rebind
@@ -17,11 +17,6 @@ from .panels.spine import TURGOR_PT_spine, TURGOR_PT_spine_settings
 from .panels.volume import TURGOR_PT_settings, TURGOR_PT_volume
 
 CLASSES = (
-    properties.TurgorCarrier,
-    properties.TurgorJoint,
-    properties.TurgorObject,
-    properties.TurgorPreferences,
-    spine_properties.TurgorSpine,
     OBJECT_OT_turgor_volume_add,
     OBJECT_OT_turgor_volume_remove,
     OBJECT_OT_turgor_volume_rebind,
@@ -37,10 +32,9 @@ CLASSES = (
 
 
 def register() -> None:
+    properties.register()
     for cls in CLASSES:
         bpy.utils.register_class(cls)
-    properties.register()
-    spine_properties.register()
     bpy.types.OBJECT_MT_modifier_add_deform.append(draw_add)
     bpy.types.OBJECT_MT_modifier_add_deform.append(draw_add_spine)
     handlers.register()
@@ -52,7 +46,6 @@ def unregister() -> None:
     handlers.unregister()
     bpy.types.OBJECT_MT_modifier_add_deform.remove(draw_add_spine)
     bpy.types.OBJECT_MT_modifier_add_deform.remove(draw_add)
-    spine_properties.unregister()
-    properties.unregister()
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)
+    properties.unregister()

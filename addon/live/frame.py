@@ -10,14 +10,15 @@ import numpy as np
 import turgor
 from numpy.typing import NDArray
 
-from .. import properties, runtime
+from .. import runtime
 from ..logic import figures, joints
+from ..properties.profiles import PRESETS
 from ..scene import frame, settings
 from . import spine_frame
 from .binding import Bound
 from .guard import guarded
 
-PRESET_NAMES = tuple(item[0].lower() for item in properties.PRESETS)
+PRESET_NAMES = tuple(item[0].lower() for item in PRESETS)
 
 
 def correct(target: bpy.types.Object, address: int, vertex_count: int) -> bool:

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 
 import bpy
 
-from .. import properties, runtime
+from .. import runtime
+from ..properties.character import DATA_VERSION
 from ..scene import carrier, curves, drivers, node_group, spine_stack, stack
 from . import binding, spine_housekeeping
 from .binding_rules import is_editable
@@ -25,7 +26,7 @@ def add(target: bpy.types.Object) -> None:
     place = list(target.modifiers).index(before) + 1
     ours = stack.add_own_modifier(target, node_group.VOLUME, place, show_in_editmode=armature.show_in_editmode)
     saved = target.turgor
-    saved.version = properties.DATA_VERSION
+    saved.version = DATA_VERSION
     saved.bound_frame = bpy.context.scene.frame_current
     drivers.follow_armature(target, ours, armature)
     carrier.assign(target, carrier.create(target))

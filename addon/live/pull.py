@@ -7,15 +7,16 @@ from __future__ import annotations
 
 import ctypes
 
-from .. import properties, runtime
+from .. import runtime
+from ..properties.carrier import TurgorCarrier
 from ..scene import carrier
 from .kinds import FRAMES
 
 FLOAT3_BYTES = 12
 
 
-def on_tick(evaluated: properties.TurgorCarrier) -> None:
-    """The hook of `properties.TurgorCarrier`, called with the evaluated carrier's group."""
+def on_tick(evaluated: TurgorCarrier) -> None:
+    """What `TurgorCarrier.on_tick` is while the add-on runs; called with the evaluated carrier's group."""
     if runtime.session.route != "PULL" or not evaluated.id_data.is_evaluated:
         return
     mesh, target = evaluated.mesh, evaluated.target

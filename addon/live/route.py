@@ -7,7 +7,8 @@ import ctypes
 import bpy
 import numpy as np
 
-from .. import properties, runtime
+from .. import runtime
+from ..properties.carrier import TurgorCarrier
 from ..scene import carrier, node_group, probe
 
 PACKAGE = __package__.rpartition(".")[0]
@@ -42,14 +43,14 @@ def preference() -> str:
 
 def self_test() -> str | None:
     """Why pull does not work in this Blender, or None: a tick moved the evaluated mesh and left the original alone."""
-    hook = properties.TurgorCarrier.on_tick
-    properties.TurgorCarrier.on_tick = staticmethod(_write_test_offset)
+    hook = TurgorCarrier.on_tick
+    TurgorCarrier.on_tick = staticmethod(_write_test_offset)
     try:
         with runtime.quiet():
             reading = probe.read_probe()
             node_group.remove_unused()
     finally:
-        properties.TurgorCarrier.on_tick = staticmethod(hook)
+        TurgorCarrier.on_tick = staticmethod(hook)
     if not np.array_equal(reading.evaluated, TEST_OFFSET):
         return "a driver's reading did not reach the evaluated mesh"
     if reading.original.any():
@@ -57,7 +58,7 @@ def self_test() -> str | None:
     return None
 
 
-def _write_test_offset(evaluated: properties.TurgorCarrier) -> None:
+def _write_test_offset(evaluated: TurgorCarrier) -> None:
     mesh = evaluated.mesh
     if evaluated.id_data.is_evaluated and mesh is not None and mesh.is_evaluated:
         address, vertex_count = carrier.offsets_address(mesh)

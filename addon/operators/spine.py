@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import bpy
 
-from .. import runtime, spine_properties
+from .. import runtime
 from ..live import push, route, spine_binding, spine_housekeeping
+from ..properties.spine import DATA_VERSION
 from ..scene import spine_chain, spine_stack
 
 
@@ -109,7 +110,7 @@ def _has_own(operator: type[bpy.types.Operator], context: bpy.types.Context) -> 
 def _choose_spine(context: bpy.types.Context, body: bpy.types.Object) -> None:
     """What is selected with the body, else the armature that bends it, else nothing yet."""
     saved = body.turgor_spine
-    saved.version = spine_properties.DATA_VERSION
+    saved.version = DATA_VERSION
     others = [ob for ob in (*context.selected_objects, context.object) if ob not in {None, body}]
     curves = [ob for ob in others if ob.type == "CURVE"]
     rigs = [ob for ob in others if ob.type == "ARMATURE"]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 class JointArrays(NamedTuple):
     """J joints in saved order."""
 
-    presets: NDArray[np.int32]  # (J,) place in `properties.PRESETS`
+    presets: NDArray[np.int32]  # (J,) place in `properties.profiles.PRESETS`
     strengths: NDArray[np.float32]  # (J,)
     sizes: NDArray[np.float32]  # (J,)
     use_auto_shares: NDArray[np.bool_]  # (J,)

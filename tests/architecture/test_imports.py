@@ -10,12 +10,11 @@ from sources import REPOSITORY, imported_modules, python_files
 BLENDER = {"bpy", "bmesh", "mathutils", "gpu", "gpu_extras", "blf", "bl_ui", "bpy_extras", "addon_utils"}
 
 # Part of the extension -> the parts it may import besides itself. A part is a module or package directly in addon/.
-JOINING = {"logic", "scene", "properties", "spine_properties", "runtime"}
+JOINING = {"logic", "scene", "properties", "runtime"}
 ALLOWED_PARTS = {
     "logic": set(),
     "scene": set(),
     "properties": set(),
-    "spine_properties": set(),
     "runtime": set(),
     "panels": {"properties", "runtime"},
     "overlays": {"properties", "runtime"},

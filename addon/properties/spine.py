@@ -11,7 +11,7 @@ from bpy.props import (
     StringProperty,
 )
 
-OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
+from .tagging import OVERRIDABLE, tag
 
 # Version of the saved settings.
 DATA_VERSION = 1
@@ -38,11 +38,6 @@ KINDS = (
 )
 
 
-def _tag(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
-    """What a script sets without this is not seen until something else changes."""
-    settings.id_data.update_tag()
-
-
 def _is_armature(settings: bpy.types.PropertyGroup, ob: bpy.types.Object) -> bool:
     return ob.type == "ARMATURE"
 
@@ -59,7 +54,7 @@ class TurgorSpine(bpy.types.PropertyGroup):
         name="Spine",
         description="What the body bends along",
         items=SOURCES,
-        update=_tag,
+        update=tag,
         override=OVERRIDABLE,
         options=set(),
     )
@@ -68,18 +63,18 @@ class TurgorSpine(bpy.types.PropertyGroup):
         description="Armature whose bones are the spine",
         type=bpy.types.Object,
         poll=_is_armature,
-        update=_tag,
+        update=tag,
         override=OVERRIDABLE,
     )
     first_bone: StringProperty(
-        name="From", description="First bone of the chain, nearest to the root", update=_tag, override=OVERRIDABLE
+        name="From", description="First bone of the chain, nearest to the root", update=tag, override=OVERRIDABLE
     )
-    last_bone: StringProperty(name="To", description="Last bone of the chain", update=_tag, override=OVERRIDABLE)
+    last_bone: StringProperty(name="To", description="Last bone of the chain", update=tag, override=OVERRIDABLE)
     course: EnumProperty(
         name="Course",
         description="How the spine runs from joint to joint",
         items=COURSES,
-        update=_tag,
+        update=tag,
         override=OVERRIDABLE,
         options=set(),
     )
@@ -90,7 +85,7 @@ class TurgorSpine(bpy.types.PropertyGroup):
         min=0.1,
         max=0.95,
         subtype="FACTOR",
-        update=_tag,
+        update=tag,
         override=OVERRIDABLE,
         options=set(),
     )
@@ -98,7 +93,7 @@ class TurgorSpine(bpy.types.PropertyGroup):
         name="Follow Roll",
         description="Bones that roll about their length twist the body",
         default=True,
-        update=_tag,
+        update=tag,
         override=OVERRIDABLE,
         options=set(),
     )
@@ -107,14 +102,14 @@ class TurgorSpine(bpy.types.PropertyGroup):
         description="Curve object that is the spine; its first spline counts",
         type=bpy.types.Object,
         poll=_is_curve,
-        update=_tag,
+        update=tag,
         override=OVERRIDABLE,
     )
     rest: EnumProperty(
         name="Rest",
         description="Where the body lies before it is bent",
         items=RESTS,
-        update=_tag,
+        update=tag,
         override=OVERRIDABLE,
         options=set(),
     )
@@ -122,7 +117,7 @@ class TurgorSpine(bpy.types.PropertyGroup):
         name="Flesh",
         description="Where flesh goes that the bend displaces",
         items=KINDS,
-        update=_tag,
+        update=tag,
         override=OVERRIDABLE,
         options=set(),
     )
@@ -133,42 +128,42 @@ class TurgorSpine(bpy.types.PropertyGroup):
         default=(1.0, 0.0, 1.0),
         min=0.0,
         max=1.0,
-        update=_tag,
+        update=tag,
         override=OVERRIDABLE,
     )
     twist_start: FloatProperty(
         name="Twist Start",
         description="Angle about the spine at its start",
         subtype="ANGLE",
-        update=_tag,
+        update=tag,
         override=OVERRIDABLE,
     )
     twist: FloatProperty(
         name="Twist End",
         description="Angle about the spine at its end; it grows smoothly from one to the other",
         subtype="ANGLE",
-        update=_tag,
+        update=tag,
         override=OVERRIDABLE,
     )
     slide: FloatProperty(
         name="Slide",
         description="Length by which the body glides along the spine; animate it to swim along a path",
         subtype="DISTANCE",
-        update=_tag,
+        update=tag,
         override=OVERRIDABLE,
     )
     stretch: BoolProperty(
         name="Thin When Stretched",
         description="Where the spine grows longer the body grows thinner and keeps its volume",
         default=True,
-        update=_tag,
+        update=tag,
         override=OVERRIDABLE,
     )
     keep_volume: BoolProperty(
         name="Exact Volume",
         description="Remove what the mesh's own coarseness leaves, evenly from the whole skin: the total is exact",
         default=True,
-        update=_tag,
+        update=tag,
         override=OVERRIDABLE,
     )
     start: FloatProperty(
@@ -178,7 +173,7 @@ class TurgorSpine(bpy.types.PropertyGroup):
         min=0.0,
         max=0.95,
         subtype="FACTOR",
-        update=_tag,
+        update=tag,
         override=OVERRIDABLE,
         options=set(),
     )
@@ -189,20 +184,20 @@ class TurgorSpine(bpy.types.PropertyGroup):
         min=0.05,
         max=1.0,
         subtype="FACTOR",
-        update=_tag,
+        update=tag,
         override=OVERRIDABLE,
         options=set(),
     )
     vertex_group: StringProperty(
         name="Vertex Group",
         description="Which vertices follow the spine, and by how much",
-        update=_tag,
+        update=tag,
         override=OVERRIDABLE,
     )
     invert_vertex_group: BoolProperty(
         name="Invert",
         description="Vertices outside of the group follow",
-        update=_tag,
+        update=tag,
         override=OVERRIDABLE,
         options=set(),
     )
@@ -213,18 +208,10 @@ class TurgorSpine(bpy.types.PropertyGroup):
         override=OVERRIDABLE,
         options=set(),
     )
-    # The body as it was bound, as in `properties.TurgorObject`: the matrix is object_from_spine; the curve at rest, and
+    # The body as it was bound, as in `character.TurgorObject`: the matrix is object_from_spine; the curve at rest, and
     # the object, armature or curve, whose rest it is.
     bound_frame: IntProperty(override=OVERRIDABLE, options={"HIDDEN"})
     bound_topology: StringProperty(override=OVERRIDABLE, options={"HIDDEN"})
     bound_placement: FloatVectorProperty(size=16, default=(0.0,) * 16, override=OVERRIDABLE, options={"HIDDEN"})
     bound_curve: PointerProperty(type=bpy.types.Curve, override=OVERRIDABLE)
     bound_to: PointerProperty(type=bpy.types.Object, override=OVERRIDABLE, options={"HIDDEN"})
-
-
-def register() -> None:
-    bpy.types.Object.turgor_spine = PointerProperty(type=TurgorSpine, override=OVERRIDABLE)
-
-
-def unregister() -> None:
-    del bpy.types.Object.turgor_spine

@@ -1,0 +1,38 @@
+"""Saved settings: under `Object.turgor` on characters and carriers, under `Object.turgor_spine` on fleshed bodies."""
+
+import bpy
+from bpy.props import PointerProperty
+
+from .carrier import TurgorCarrier
+from .character import TurgorObject
+from .display import TurgorDisplay
+from .joint import TurgorJoint
+from .preferences import TurgorPreferences
+from .profiles import TurgorProfiles
+from .spine import TurgorSpine
+from .tagging import OVERRIDABLE
+
+# Those that others point to come first.
+CLASSES = (
+    TurgorCarrier,
+    TurgorProfiles,
+    TurgorJoint,
+    TurgorDisplay,
+    TurgorObject,
+    TurgorSpine,
+    TurgorPreferences,
+)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Object.turgor = PointerProperty(type=TurgorObject, override=OVERRIDABLE)
+    bpy.types.Object.turgor_spine = PointerProperty(type=TurgorSpine, override=OVERRIDABLE)
+
+
+def unregister() -> None:
+    del bpy.types.Object.turgor_spine
+    del bpy.types.Object.turgor
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,88 @@
+"""Settings of a character's mesh: everything under one pointer, `Object.turgor`."""
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+from .carrier import TurgorCarrier
+from .display import TurgorDisplay
+from .joint import TurgorJoint
+from .tagging import OVERRIDABLE, tag
+
+# Version of the saved settings; `migrations` brings older files up to it.
+DATA_VERSION = 1
+
+SOLVERS = (
+    ("SIMULTANEOUS", "Simultaneous", "All joints at once: the order of bones never matters"),
+    ("SEQUENTIAL", "Sequential", "Joint after joint, parents first"),
+)
+
+
+class TurgorObject(bpy.types.PropertyGroup):
+    """Settings of a character's mesh."""
+
+    version: IntProperty(override=OVERRIDABLE, options={"HIDDEN"})
+    joints: CollectionProperty(type=TurgorJoint, override=OVERRIDABLE | {"USE_INSERTION"})
+    active_joint: IntProperty(name="Active Joint", options={"HIDDEN"})
+    solver: EnumProperty(
+        name="Solver",
+        description="How the joints share the work",
+        items=SOLVERS,
+        update=tag,
+        override=OVERRIDABLE,
+        options=set(),
+    )
+    keep_bone_scale: BoolProperty(
+        name="Follow Bone Scale",
+        description="Scaled or stretched bones change the volume to be kept. Off: the rest volume whatever they do",
+        default=True,
+        update=tag,
+        override=OVERRIDABLE,
+        options=set(),
+    )
+    target_volume: FloatProperty(
+        name="Volume",
+        description="Factor on the volume to be kept; animate it for breathing",
+        default=1.0,
+        min=0.01,
+        soft_min=0.5,
+        soft_max=1.5,
+        max=100.0,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    vertex_group: StringProperty(
+        name="Vertex Group",
+        description="Where volume may come back, by the weights of a vertex group; the total stays exact",
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    invert_vertex_group: BoolProperty(
+        name="Invert",
+        description="Volume comes back outside of the group",
+        update=tag,
+        override=OVERRIDABLE,
+        options=set(),
+    )
+    pin_group: StringProperty(
+        name="Pin",
+        description="Vertices of this group stay where skinning puts them",
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    display: PointerProperty(type=TurgorDisplay, override=OVERRIDABLE)
+    # The mesh as it was bound: frame at which modifiers before the Armature were read, its topology, and the matrix
+    # object_from_armature by rows, all zero when there is none yet.
+    bound_frame: IntProperty(override=OVERRIDABLE, options={"HIDDEN"})
+    bound_topology: StringProperty(override=OVERRIDABLE, options={"HIDDEN"})
+    bound_placement: FloatVectorProperty(size=16, default=(0.0,) * 16, override=OVERRIDABLE, options={"HIDDEN"})
+    curves: PointerProperty(type=bpy.types.ShaderNodeTree, override=OVERRIDABLE)
+    carrier: PointerProperty(type=TurgorCarrier, override=OVERRIDABLE)

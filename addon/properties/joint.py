@@ -1,0 +1,90 @@
+"""Settings of one joint; `name` is the bone's name."""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty
+
+from .profiles import ProfileSet, TurgorProfiles
+from .tagging import OVERRIDABLE, tag
+
+# Append only: files store the position.
+BLENDS = (
+    ("NONE", "None", "One set of profile curves"),
+    ("VALUE", "Value", "From the first set to the second by a value, which can be animated"),
+    ("LOSS", "Volume Lost", "From the first set to the second as the joint loses volume: a bulge turns into folds"),
+)
+
+
+class TurgorJoint(ProfileSet, bpy.types.PropertyGroup):
+    """How one joint gives volume back."""
+
+    strength: FloatProperty(
+        name="Strength",
+        description="Part of the volume lost at this joint that it gives back itself",
+        default=1.0,
+        min=0.0,
+        soft_max=1.0,
+        max=10.0,
+        subtype="FACTOR",
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    size: FloatProperty(
+        name="Size",
+        description="Length of skin that takes part, as a factor on the automatic length",
+        default=1.0,
+        min=0.05,
+        soft_max=3.0,
+        max=20.0,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    mute: BoolProperty(
+        name="Mute",
+        description="Give nothing back at this joint",
+        update=tag,
+        override=OVERRIDABLE,
+        options=set(),
+    )
+    is_solo: BoolProperty(
+        name="Solo",
+        description="Only joints with this switch on give volume back",
+        update=tag,
+        override=OVERRIDABLE,
+        options=set(),
+    )
+    select: BoolProperty(
+        name="Select",
+        description="Edit this joint together with the other selected ones",
+        override=OVERRIDABLE,
+        options=set(),
+    )
+    blend_mode: EnumProperty(
+        name="Blend",
+        description="What leads from the first set of profile curves to the second",
+        items=BLENDS,
+        update=tag,
+        override=OVERRIDABLE,
+        options=set(),
+    )
+    blend: FloatProperty(
+        name="Blend Value",
+        description="Part of the second set of profile curves",
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    second: PointerProperty(type=TurgorProfiles, override=OVERRIDABLE)
+    fold_loss: FloatProperty(
+        name="Full at",
+        description="Volume lost at which the second set is reached, as part of a tenth of the joint's length cubed",
+        default=0.1,
+        min=1e-4,
+        soft_max=1.0,
+        max=100.0,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    # Percent of the rest volume that the joint took at most over the measured motion; negative: never measured.
+    peak_loss: FloatProperty(default=-1.0, override=OVERRIDABLE, options={"HIDDEN"})

@@ -1,0 +1,23 @@
+"""The extension's preferences."""
+
+import bpy
+from bpy.props import EnumProperty
+
+ROUTES = (
+    ("AUTOMATIC", "Automatic", "Pull where a self-test proves that it works, else push"),
+    ("PULL", "Pull", "Blender's dependency graph asks for the correction: one evaluation per frame"),
+    ("PUSH", "Push", "Frame handlers write the correction: two evaluations per frame"),
+)
+
+
+class TurgorPreferences(bpy.types.AddonPreferences):
+    bl_idname = __package__.rpartition(".")[0]
+
+    route: EnumProperty(
+        name="Route",
+        description="How the correction reaches the mesh",
+        items=ROUTES,
+    )
+
+    def draw(self, context: bpy.types.Context) -> None:
+        self.layout.prop(self, "route")
