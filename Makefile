@@ -20,7 +20,7 @@ ENGINE_SOURCES    := $(shell find rust -type f -not -path '*/target/*' -not -nam
 EXTENSION_SOURCES := $(shell find addon packaging -type f -not -name '*.pyc')
 FIXTURE_SOURCES   := $(wildcard blend_fixtures/*.py)
 
-.PHONY: help demo test lint format bench package wheel lock clean
+.PHONY: help demo speed test lint format bench package wheel lock clean
 .PHONY: lint-rust lint-python test-rust test-python test-3.11 test-3.13
 
 help: ## this list
@@ -63,6 +63,9 @@ dist/.extension: dist/.wheel $(EXTENSION_SOURCES)
 demo: dist/.extension .fixtures/.ready $(NEWEST)/.ready ## pictures and figures of a character in demo_out/: make demo [SCENE=giraffe | SCENE=fleshing | FILE=path]
 	rm -rf demo_out
 	$(NEWEST)/bin/python -m $(SHOWN) --extension dist/*.zip --output demo_out
+
+speed: dist/.extension $(NEWEST)/.ready ## times of frames and of the engine beside Blender's Armature modifier
+	$(NEWEST)/bin/python -m demo.speed --extension dist/*.zip
 
 # Made by the older Blender, so that both can read them.
 .fixtures/.ready: $(FIXTURE_SOURCES) .venv-3.11/.ready

@@ -1,0 +1,1 @@
+"""How long frames take, beside Blender's Armature modifier on the same mesh."""
