@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import handlers, properties
+from . import handlers, properties, translations
 from .operators.add import OBJECT_OT_turgor_volume_add
 from .operators.add import draw as draw_add
 from .operators.rebind import OBJECT_OT_turgor_volume_rebind
@@ -32,6 +32,7 @@ CLASSES = (
 
 
 def register() -> None:
+    translations.register()
     properties.register()
     for cls in CLASSES:
         bpy.utils.register_class(cls)
@@ -49,3 +50,4 @@ def unregister() -> None:
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)
     properties.unregister()
+    translations.unregister()

@@ -10,14 +10,16 @@ from sources import REPOSITORY, imported_modules, python_files
 BLENDER = {"bpy", "bmesh", "mathutils", "gpu", "gpu_extras", "blf", "bl_ui", "bpy_extras", "addon_utils"}
 
 # Part of the extension -> the parts it may import besides itself. A part is a module or package directly in addon/.
-JOINING = {"logic", "scene", "properties", "runtime"}
+JOINING = {"logic", "scene", "properties", "runtime", "messages"}
 ALLOWED_PARTS = {
-    "logic": set(),
-    "scene": set(),
+    "messages": set(),
+    "translations": set(),
+    "logic": {"messages"},
+    "scene": {"messages"},
     "properties": set(),
     "runtime": set(),
-    "panels": {"properties", "runtime"},
-    "overlays": {"properties", "runtime"},
+    "panels": {"properties", "runtime", "messages"},
+    "overlays": {"properties", "runtime", "messages"},
     "migrations": {"properties", "scene"},
     "live": JOINING,
     "handlers": JOINING | {"live", "migrations"},
