@@ -8,7 +8,11 @@ import pytest
 
 messages = importlib.import_module("addon.messages")
 
-GERMAN = {"Bone {name} bends": "Knochen {name} biegt sich", "{part}: move it": "{part}: verschieben", "Plain": "Schlicht"}
+GERMAN = {
+    "Bone {name} bends": "Knochen {name} biegt sich",
+    "{part}: move it": "{part}: verschieben",
+    "Plain": "Schlicht",
+}
 
 
 def _german(text: str) -> str:
