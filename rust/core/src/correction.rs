@@ -1,6 +1,6 @@
 //! The fields that give volume back, one per joint and component, and how much of each [RHC09 §4, MATH §2–3].
 
-use glam::{DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
 use crate::joint::{Joint, Profiles, Shares};
 use crate::motions::Motions;
@@ -26,7 +26,7 @@ pub(crate) struct FieldFrame {
     pub axes: [DVec3; 3],
     pub inverse_length: f64,
     /// Part of the volume that goes along the axes.
-    frame_part: f64,
+    pub frame_part: f64,
     /// How far folds have set in, 0..1.
     folded: f64,
     displacement_max: f64,
@@ -37,11 +37,10 @@ impl FieldFrame {
     /// The frame of a joint in this pose; `volume` is what it is to give back.
     pub fn new(motions: &Motions, joint: usize, settings: &Joint, length: f64, volume: f64) -> Self {
         let tree = &motions.tree;
-        let own = motions.channels[joint];
         let parent = motions.channels[tree.parents[joint] as usize];
         let length = length * parent.matrix3.determinant().abs().cbrt();
         let mut frame = Self {
-            origin: own.transform_point3(tree.heads[joint]) - motions.palette.origin,
+            origin: motions.channels[joint].transform_point3(tree.heads[joint]) - motions.palette.origin,
             inverse_length: 1.0 / length,
             displacement_max: DISPLACEMENT_MAX * length,
             is_active: volume != 0.0 && length > 0.0 && length.is_finite(),
@@ -58,16 +57,7 @@ impl FieldFrame {
             }
             frame.displacement_max = frame.displacement_max.min(SLOPE_MAX / steepness.max(SLOPE_MAX) * length);
         }
-        let along = tree.along_parent[joint].and_then(|v| (parent.matrix3 * v).try_normalize());
-        let own_direction = tree.along_own[joint].and_then(|v| (own.matrix3 * v).try_normalize());
-        if let (Some(e0), Some(direction)) = (along, own_direction) {
-            let bend = e0.cross(direction);
-            if let Some(e1) = bend.try_normalize() {
-                frame.axes = [e0, e1, e1.cross(e0)];
-                let sine_squared = bend.length_squared();
-                frame.frame_part = sine_squared / (sine_squared + FRAME_BEND * FRAME_BEND);
-            }
-        }
+        (frame.axes, frame.frame_part) = axes_of_bend(motions, joint);
         frame
     }
 
@@ -212,6 +202,35 @@ impl Field {
         field.volume += kept * wanted;
         field
     }
+}
+
+/// e0, e1, e2 of a joint in this pose, and the part w of its volume that goes along them; a straight one has no axes.
+pub(crate) fn axes_of_bend(motions: &Motions, joint: usize) -> ([DVec3; 3], f64) {
+    let [along, own] = directions(motions, joint);
+    if let (Some(e0), Some(direction)) = (along, own) {
+        let bend = e0.cross(direction);
+        if let Some(e1) = bend.try_normalize() {
+            let sine_squared = bend.length_squared();
+            return ([e0, e1, e1.cross(e0)], sine_squared / (sine_squared + FRAME_BEND * FRAME_BEND));
+        }
+    }
+    ([DVec3::ZERO; 3], 0.0)
+}
+
+/// Axes for a joint that has none of its own: e0 along the parent, else along the joint's own body, else x.
+pub(crate) fn axes_of_no_bend(motions: &Motions, joint: usize) -> [DVec3; 3] {
+    let [along, own] = directions(motions, joint);
+    let e0 = along.or(own).unwrap_or(DVec3::X);
+    let e1 = e0.any_orthonormal_vector();
+    [e0, e1, e1.cross(e0)]
+}
+
+/// Unit vectors along the parent and along the joint's own body, in this pose.
+fn directions(motions: &Motions, joint: usize) -> [Option<DVec3>; 2] {
+    let tree = &motions.tree;
+    let parent = &motions.channels[tree.parents[joint] as usize];
+    let turned = |map: &DAffine3, v: Option<DVec3>| v.and_then(|v| (map.matrix3 * v).try_normalize());
+    [turned(parent, tree.along_parent[joint]), turned(&motions.channels[joint], tree.along_own[joint])]
 }
 
 fn part_within(most: f64, bound: f64) -> f64 {

@@ -37,7 +37,7 @@ mod volume_skin;
 mod weld;
 
 pub use error::{Error, Result};
-pub use frame::{Pose, Workspace};
+pub use frame::{JointField, Pose, Workspace};
 pub use joint::{Joint, Profiles, Shares};
 pub use mesh::{Mesh, Target};
 pub use profile::Profile;

@@ -6,7 +6,7 @@ use glam::{DMat4, DVec3};
 
 use crate::binding::Binding;
 use crate::error::{Error, Result, check_finite};
-use crate::frame::{Pose, Workspace};
+use crate::frame::{JointField, Pose, Workspace};
 use crate::joint::Joint;
 use crate::report::Report;
 use crate::skinning::{Skinning, check_object};
@@ -145,19 +145,38 @@ impl VolumeSkin {
             return Err(Error::VertexCount { found: offsets.len(), bound });
         }
         workspace.take(&self.binding, pose, self.options.keep_bone_scale)?;
-        if self.binding.patches.list.len() <= FEW {
-            self.correct(pose, workspace, offsets);
-        } else {
-            // One hop to the thread pool, not one for every sweep.
-            rayon::scope(|_| self.correct(pose, workspace, offsets));
-        }
+        self.in_pool(|| self.correct(pose, workspace, offsets));
         Ok(&workspace.report)
+    }
+
+    /// How the field of the joint at the head of `bone` lies in a pose. The workspace is stale afterwards.
+    ///
+    /// # Errors
+    /// As `deform`; a bone without a joint.
+    pub fn joint_field(&self, bone: usize, pose: &Pose, workspace: &mut Workspace) -> Result<JointField> {
+        let joint = self.joint_bones().iter().position(|&b| b as usize == bone).ok_or(Error::NoJoint { bone })?;
+        workspace.take(&self.binding, pose, self.options.keep_bone_scale)?;
+        self.in_pool(|| self.skin(pose, workspace));
+        Ok(workspace.joint_field(&self.binding, &self.supports, &self.joints, joint))
+    }
+
+    /// One hop to the thread pool, not one for every sweep.
+    fn in_pool(&self, work: impl FnOnce() + Send) {
+        if self.binding.patches.list.len() <= FEW {
+            work();
+        } else {
+            rayon::scope(|_| work());
+        }
+    }
+
+    fn skin(&self, pose: &Pose, workspace: &mut Workspace) {
+        workspace.skin(&self.binding);
+        workspace.measure(&self.binding, &self.supports, &self.joints, pose);
     }
 
     fn correct(&self, pose: &Pose, workspace: &mut Workspace, offsets: &mut [[f32; 3]]) {
         let (binding, supports, settings) = (&*self.binding, &*self.supports, &**self.joints);
-        workspace.skin(binding);
-        workspace.measure(binding, supports, settings, pose);
+        self.skin(pose, workspace);
         workspace.give_back(binding, supports, settings);
         if self.options.solver == Solver::Sequential {
             workspace.give_back_in_order(binding, supports, settings);

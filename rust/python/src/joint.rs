@@ -1,5 +1,6 @@
-//! `turgor.Joint`.
+//! `turgor.Joint` and `turgor.JointField`.
 
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use turgor::{Profile, Profiles, Shares};
 
@@ -23,6 +24,10 @@ pub fn read_shares(value: Option<&Bound<'_, PyAny>>) -> PyResult<Shares> {
         .map_err(|_| TurgorError::new_err(format!("shares: need \"auto\" or three numbers, got {value}")))
 }
 
+pub fn bone_index(bone: i64) -> PyResult<usize> {
+    usize::try_from(bone).map_err(|_| TurgorError::new_err(format!("bone: need an index of 0 or more, got {bone}")))
+}
+
 #[pymethods]
 impl Joint {
     #[new]
@@ -36,7 +41,7 @@ impl Joint {
         strength: f64,
         size: f64,
     ) -> PyResult<Self> {
-        let bone = usize::try_from(bone).map_err(|_| TurgorError::new_err(format!("bone: need an index of 0 or more, got {bone}")))?;
+        let bone = bone_index(bone)?;
         let profile = |samples: &Bound<'_, PyAny>| Profile::new(&arrays::numbers(samples, "profiles")?).map_err(refused);
         let folded = folded_profile.map(profile).transpose()?.map(|curve| (curve, folded_loss_relative));
         let profiles = match profiles {
@@ -69,5 +74,39 @@ impl Joint {
             Shares::Auto => Ok("auto".into_pyobject(py)?.into_any()),
             Shares::Axes([a, b, c]) => Ok((a, b, c).into_pyobject(py)?.into_any()),
         }
+    }
+}
+
+/// How one joint's field lies in one pose, object space.
+#[pyclass(frozen, module = "turgor")]
+pub struct JointField {
+    pub inner: turgor::JointField,
+}
+
+#[pymethods]
+impl JointField {
+    #[getter]
+    fn origin<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::from_numbers(py, &self.inner.origin.to_array())
+    }
+
+    #[getter]
+    fn axes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        arrays::from_vectors(py, &self.inner.axes)
+    }
+
+    #[getter]
+    fn axes_share(&self) -> f64 {
+        self.inner.axes_share
+    }
+
+    #[getter]
+    fn length(&self) -> f64 {
+        self.inner.length
+    }
+
+    #[getter]
+    fn gamma<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        arrays::from_numbers(py, &self.inner.gamma)
     }
 }

@@ -28,7 +28,7 @@ mod _native {
     #[pymodule_export]
     use super::fleshing::{Fleshing, FleshingReport, Validity, flesh};
     #[pymodule_export]
-    use super::joint::Joint;
+    use super::joint::{Joint, JointField};
     #[pymodule_export]
     use super::mesh::{Component, Mesh, correct};
     #[pymodule_export]

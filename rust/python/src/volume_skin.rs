@@ -7,7 +7,7 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use turgor::{Options, Pose, Solver, Workspace};
 
-use crate::joint::Joint;
+use crate::joint::{Joint, JointField, bone_index};
 use crate::mesh::Mesh;
 use crate::skinning::Skinning;
 use crate::{TurgorError, arrays, refused};
@@ -84,27 +84,20 @@ impl VolumeSkin {
         Self { inner, mesh, workspaces: Mutex::new(Vec::new()) }
     }
 
-    /// Computes a frame and hands the workspace to `finish`.
-    fn run<T: Send>(
-        &self,
-        py: Python<'_>,
-        pose: &PoseData,
-        offsets: &mut [[f32; 3]],
-        finish: impl FnOnce(&Workspace) -> T + Send,
-    ) -> PyResult<(T, turgor::Report)> {
+    /// Computes something in a workspace, without the interpreter.
+    fn in_workspace<T: Send>(&self, py: Python<'_>, compute: impl FnOnce(&mut Workspace) -> turgor::Result<T> + Send) -> PyResult<T> {
         py.detach(|| {
             let lock = || self.workspaces.lock().unwrap_or_else(PoisonError::into_inner);
             let spare = lock().pop();
             let mut workspace = spare.unwrap_or_else(|| self.inner.workspace());
-            let report = self.inner.deform(&pose.pose(), &mut workspace, offsets).cloned();
-            let result = report.map(|report| (finish(&workspace), report));
+            let result = compute(&mut workspace);
             lock().push(workspace);
             result.map_err(refused)
         })
     }
 
     fn write(&self, py: Python<'_>, pose: &PoseData, offsets: &mut [[f32; 3]]) -> PyResult<Report> {
-        let ((), inner) = self.run(py, pose, offsets, |_| ())?;
+        let inner = self.in_workspace(py, |workspace| self.inner.deform(&pose.pose(), workspace, offsets).cloned())?;
         Ok(Report { inner })
     }
 
@@ -197,7 +190,10 @@ impl VolumeSkin {
     ) -> PyResult<Frame> {
         let pose = PoseData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale, added_offsets, fleshed)?;
         let mut offsets = vec![[0.0; 3]; self.mesh.rest().len()];
-        let ((skinned, positions), report) = self.run(py, &pose, &mut offsets, |workspace| self.inner.positions(workspace))?;
+        let (report, (skinned, positions)) = self.in_workspace(py, |workspace| {
+            let report = self.inner.deform(&pose.pose(), workspace, &mut offsets)?.clone();
+            Ok((report, self.inner.positions(workspace)))
+        })?;
         Ok(Frame { positions, skinned, offsets, report })
     }
 
@@ -250,6 +246,26 @@ impl VolumeSkin {
         // SAFETY: the caller promises `vertex_count` rows of three floats, alive and unaliased during the call.
         let rows = unsafe { std::slice::from_raw_parts_mut(offsets_address as *mut [f32; 3], vertex_count) };
         self.write(py, &pose, rows)
+    }
+
+    #[pyo3(signature = (bone, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None))]
+    #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
+    fn joint_field(
+        &self,
+        py: Python<'_>,
+        bone: i64,
+        pose_matrices: &Bound<'_, PyAny>,
+        object_from_armature: Option<&Bound<'_, PyAny>>,
+        shape_values: Option<&Bound<'_, PyAny>>,
+        strengths: Option<&Bound<'_, PyAny>>,
+        target_scale: f64,
+        added_offsets: Option<&Bound<'_, PyAny>>,
+        fleshed: Option<Vec<bool>>,
+    ) -> PyResult<JointField> {
+        let bone = bone_index(bone)?;
+        let pose = PoseData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale, added_offsets, fleshed)?;
+        let inner = self.in_workspace(py, |workspace| self.inner.joint_field(bone, &pose.pose(), workspace))?;
+        Ok(JointField { inner })
     }
 }
 

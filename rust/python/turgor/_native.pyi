@@ -162,6 +162,32 @@ class Joint:
     def shares(self) -> Shares: ...
 
 @final
+class JointField:
+    """How one joint's field lies in one pose, object space: for those who draw it."""
+
+    @property
+    def origin(self) -> NDArray[np.float64]:
+        """(3,) the joint."""
+    @property
+    def axes(self) -> NDArray[np.float64]:
+        """(3, 3) rows e0 along the parent, e1 axis of the bend, e2 inside of the bend.
+
+        The place x of the profiles is origin + length * (x @ axes): unit vectors where the object is scaled evenly.
+        """
+    @property
+    def axes_share(self) -> float:
+        """w of MATH 3: part of the volume that follows the axes; 0 for a straight pose, where e1 and e2 are any."""
+    @property
+    def length(self) -> float:
+        """Unit of the profiles, in this pose."""
+    @property
+    def gamma(self) -> NDArray[np.float32]:
+        """(N,) weight of each vertex in the field, before areas: 0 outside the joint's vicinity.
+
+        axes_share of it is the profiles', the rest the bell's, and all of it where there are no profiles.
+        """
+
+@final
 class VolumeSkin:
     """A bound character: skins and restores the volume. Immutable; safe to call from several threads.
 
@@ -251,6 +277,22 @@ class VolumeSkin:
         fleshed: Sequence[bool] | None = None,
     ) -> Report:
         """As `deform_into`, at a raw address of vertex_count * 3 floats that the caller keeps alive."""
+    def joint_field(
+        self,
+        bone: int,
+        pose_matrices: ArrayLike,
+        *,
+        object_from_armature: ArrayLike | None = None,
+        shape_values: ArrayLike | None = None,
+        strengths: ArrayLike | None = None,
+        target_scale: float = 1.0,
+        added_offsets: ArrayLike | None = None,
+        fleshed: Sequence[bool] | None = None,
+    ) -> JointField:
+        """How the field of the joint at the head of `bone` lies in this pose. Arguments as in `deform`.
+
+        Raises TurgorError also for a bone without a joint, one not in `joint_bones`. Releases the GIL.
+        """
 
 @final
 class Frame:

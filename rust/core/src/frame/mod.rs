@@ -3,6 +3,7 @@
 mod added;
 mod give_back;
 mod in_order;
+mod joint_field;
 mod offsets;
 mod residual;
 mod scratch;
@@ -12,6 +13,7 @@ mod targets;
 use glam::{DAffine3, DMat4, DVec3};
 
 use self::added::Added;
+pub use self::joint_field::JointField;
 use crate::binding::Binding;
 use crate::correction::{Field, FieldFrame, Hold};
 use crate::error::{Error, Result};

@@ -1,0 +1,75 @@
+//! The field of one joint in one pose, for those who draw it.
+
+use glam::DVec3;
+
+use super::Workspace;
+use super::scratch::with_scratch;
+use crate::binding::Binding;
+use crate::correction::{FieldFrame, axes_of_bend, axes_of_no_bend};
+use crate::fields;
+use crate::joint::Joint;
+use crate::supports::Supports;
+
+/// How one joint's field lies in object space, and how much of it each vertex has [MATH §3–4].
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointField {
+    /// The joint.
+    pub origin: DVec3,
+    /// e0 along the parent, e1 axis of the bend, e2 inside of the bend. The place x of the profiles lies at
+    /// origin + length · Σ xᵢ eᵢ: unit vectors where the object is scaled evenly.
+    pub axes: [DVec3; 3],
+    /// w: part of the volume that goes along the axes; 0 for a straight pose, which leaves e1 and e2 open.
+    pub axes_share: f64,
+    /// Unit of the profiles.
+    pub length: f64,
+    /// Per vertex, γ before it is divided by the vertex's area: w of the profiles and 1 − w of the bell, of its vicinity.
+    pub gamma: Vec<f32>,
+}
+
+impl Workspace {
+    /// The field of a joint, after `skin` and `measure`.
+    pub(crate) fn joint_field(&self, binding: &Binding, supports: &Supports, settings: &[Joint], joint: usize) -> JointField {
+        let frame = FieldFrame::new(&self.motions, joint, &settings[joint], supports.lengths[joint], 0.0);
+        let (axes, axes_share) = match axes_of_bend(&self.motions, joint) {
+            (_, 0.0) => (axes_of_no_bend(&self.motions, joint), 0.0),
+            bent => bent,
+        };
+        let growth = self.object.matrix3.determinant().abs().cbrt();
+        let of_slot = self.gamma_of_slots(binding, supports, settings, joint);
+        JointField {
+            origin: self.object.transform_point3(frame.origin + self.motions.palette.origin),
+            axes: axes.map(|e| self.object.matrix3 * e / growth),
+            axes_share,
+            length: growth / frame.inverse_length,
+            gamma: binding.slot_of_vertex.iter().map(|&slot| of_slot.get(slot as usize).copied().unwrap_or(0.0)).collect(),
+        }
+    }
+
+    fn gamma_of_slots(&self, binding: &Binding, supports: &Supports, settings: &[Joint], joint: usize) -> Vec<f32> {
+        let patches = &binding.patches;
+        let mut gamma = vec![0.0; patches.slot_count()];
+        for (index, patch) in patches.list.iter().enumerate() {
+            let slots = patch.start..patches.slot_offsets[index + 1] as usize;
+            let is_mine = |job: u32| binding.plan.jobs[job as usize].joint as usize == joint;
+            let Some(row) = supports.jobs_of_patch.row(index).iter().position(|&job| is_mine(job)) else { continue };
+            let frame = &self.jobs[supports.jobs_of_patch.row(index)[row] as usize].frame;
+            let weights = &supports.weights[supports.weight_offsets[index] as usize + row * slots.len()..][..slots.len()];
+            let places = self.skinned.near.each_ref().map(|row| &row[slots.clone()]);
+            let areas = &binding.inverse_areas[slots.clone()];
+            let profiles = settings[joint].profiles.as_ref().filter(|_| frame.has_axes());
+            with_scratch(|scratch| {
+                let bell = &mut scratch.fields.bell[..weights.len()];
+                fields::bell_heights(weights, places, frame, bell);
+                for (i, gamma) in gamma[slots].iter_mut().enumerate().filter(|(i, _)| weights[*i] > 0.0) {
+                    let weight = profiles.map_or(bell[i], |profiles| {
+                        let drawn = frame.height(profiles, DVec3::from_array(places.map(|row| f64::from(row[i])))) as f32;
+                        let part = frame.frame_part as f32;
+                        weights[i] * drawn * part + bell[i] * (1.0 - part)
+                    });
+                    *gamma = weight / areas[i];
+                }
+            });
+        }
+        gamma
+    }
+}
