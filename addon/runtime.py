@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
@@ -58,6 +58,27 @@ class Timing:
         return self.read + self.engine + self.write
 
 
+# From worst to least: the mesh is as it would be without ours; something is not as it should be; good to know.
+SEVERITIES = ("ERROR", "WARNING", "INFO")
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something that is off with a character."""
+
+    id: str  # stable, for scripts and tests
+    severity: str  # of SEVERITIES
+    text: str  # a sentence for the artist: what was found, what to do
+    fix: str = ""  # of properties.fixes; empty where there is none
+    subject: str = ""  # what the fix changes: name of a modifier, bone or vertex group
+    refusal: str = ""  # why the fix cannot be applied here
+
+    @property
+    def logged_as(self) -> tuple[str, ...]:
+        """Equal for findings of which the log holds one; what is only good to know comes with figures of a frame."""
+        return (self.id, self.subject) if self.severity == "INFO" else (self.text,)
+
+
 @dataclass
 class Character:
     """One object with one modifier of ours."""
@@ -65,13 +86,17 @@ class Character:
     name: str = ""  # of the object, when it was last evaluated
     body: Any = None  # live.binding.Bound, live.spine_binding.Bound
     signature: tuple[object, ...] = ()
-    problem: str | None = None
-    logged: set[str] = field(default_factory=set)
-    needs_rebind: bool = False
+    # What the last bind found, and the state of the stack around ours; why the last frame failed.
+    bind_findings: tuple[Finding, ...] = ()
+    state_findings: tuple[Finding, ...] = ()
+    state: tuple[object, ...] = ()
+    failure: Finding | None = None
+    logged: set[tuple[str, ...]] = field(default_factory=set)
     is_stale: bool = False
-    notes: tuple[str, ...] = ()
     # Works out `figures`: called when a panel is drawn, since most frames are looked at by nobody.
     measure: Callable[[], Any] | None = None
+    # Works out what is off in the last frame, as `measure`.
+    inspect: Callable[[], tuple[Finding, ...]] | None = None
     timing: Timing | None = None
     # Works out what an overlay draws, `logic.sketch.Sketch`.
     sketch: Callable[[], Any] | None = None
@@ -83,6 +108,26 @@ class Character:
         """Of the last frame in the viewport, `Figures` or `SpineFigures`; None when there are none."""
         measure = self.measure
         return None if measure is None else measure()
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """All that is off now, the worst first; for panels, since those of the frame are worked out here."""
+        inspect, failure = self.inspect, self.failure
+        of_frame = () if inspect is None else inspect()
+        found = (*self.bind_findings, *(() if failure is None else (failure,)), *self.state_findings, *of_frame)
+        return tuple(sorted(found, key=lambda finding: SEVERITIES.index(finding.severity)))
+
+    @property
+    def problem(self) -> str | None:
+        """Why the mesh is as it would be without ours; None when it is not."""
+        failure = self.failure
+        found = (*self.bind_findings, *(() if failure is None else (failure,)))
+        return next((finding.text for finding in found if finding.severity == "ERROR"), None)
+
+    @property
+    def needs_rebind(self) -> bool:
+        """Whether the artist has to agree to another mesh."""
+        return any(finding.fix == "REBIND" for finding in self.bind_findings)
 
 
 @dataclass
@@ -127,17 +172,36 @@ def known(kind: str, uid: int) -> Character:
     return spine(uid) if kind == "SPINE" else character(uid)
 
 
-def set_problem(known: Character, name: str, problem: str | None) -> None:
-    """Show a problem in the panel and write it to the log, each one once per file."""
+def set_bind_findings(known: Character, name: str, findings: tuple[Finding, ...]) -> None:
+    """What a bind found, in place of all that was off before."""
     with lock:
-        known.problem = problem
-        if problem is None:
+        known.bind_findings, known.failure = findings, None
+        if known.problem is not None:
+            _forget_frame(known)
+    log_findings(known, name, findings)
+
+
+def set_failure(known: Character, name: str, failure: Finding | None) -> None:
+    """Why a frame shows the mesh without ours; None when it does not."""
+    with lock:
+        known.failure = failure
+        if failure is None:
             return
-        known.measure = known.timing = known.sketch = known.local_error = None
-        is_news = problem not in known.logged
-        known.logged.add(problem)
-    if is_news:
-        log.warning("%s: %s", name, problem)
+        _forget_frame(known)
+    log_findings(known, name, (failure,))
+
+
+def _forget_frame(known: Character) -> None:
+    known.measure = known.inspect = known.timing = known.sketch = known.local_error = None
+
+
+def log_findings(known: Character, name: str, findings: Iterable[Finding]) -> None:
+    """A line for each, once per file."""
+    with lock:
+        news = [finding for finding in findings if finding.logged_as not in known.logged]
+        known.logged.update(finding.logged_as for finding in news)
+    for finding in news:
+        log.log(logging.INFO if finding.severity == "INFO" else logging.WARNING, "%s: %s", name, finding.text)
 
 
 @contextmanager

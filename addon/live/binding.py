@@ -15,9 +15,11 @@ from turgor import TurgorError
 from .. import runtime
 from ..logic import body, fingerprint, weights
 from ..logic.joints import Tables
+from ..messages import message
 from ..scene import (
     carrier,
     drivers,
+    obstacles,
     placement,
     rest,
     settings,
@@ -26,7 +28,7 @@ from ..scene import (
     spine_stack,
     stack,
 )
-from . import profiles
+from . import findings, profiles
 from .binding_rules import BindError, check_topology, is_editable
 
 
@@ -40,6 +42,7 @@ class Bound(NamedTuple):
     placement: NDArray[np.float64]  # (4, 4) object_from_armature that was bound
     tables: dict[int, Tables]  # Custom curves, by place of the joint
     fleshed: list[bool] | None  # per bone, whether Turgor Spine moves its flesh; None where it moves none
+    unweighted_count: int  # vertices that no bone holds
 
 
 def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
@@ -48,26 +51,44 @@ def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
     accept_topology: the artist agrees that the mesh has other vertices or faces than when it was bound.
     """
     known = runtime.character(target.session_uid)
-    known.needs_rebind = False
     known.signature = stack.signature(target)
-    problem = None
+    found: list[runtime.Finding] = []
     try:
         with runtime.quiet():
             bound = _bind(target, known.body, accept_topology)
     except (BindError, rest.ShapeKeyTopologyError, placement.PlacementError, TurgorError) as error:
-        bound, problem = None, str(error)
+        bound = None
+        found.append(findings.of_error(target, error))
+    else:
+        found += findings.of_shells(target, bound.body.shells) + findings.of_weights(target, bound.unweighted_count)
     known.body = bound
-    known.notes = () if bound is None else bound.body.uncorrected_parts()
-    difference = stack.render_difference(target, stack.armature_modifier(target))
+    difference = obstacles.render_difference(target, stack.armature_modifier(target))
     difference = difference or spine_stack.render_difference(target)
     if difference is not None:
-        known.notes += (difference,)
+        found.append(findings.of_obstacle(target, "WARNING", difference))
     if is_editable(target) and target.override_library is None:
         _set_in_renders(target, difference is None)
-    runtime.set_problem(known, target.name, problem)
+    runtime.set_bind_findings(known, target.name, tuple(found))
+    refresh_state(target)
     holder = carrier.carrier_of(target)
     if holder is not None:
         holder.turgor.carrier.mesh.update_tag()
+
+
+def rebind(target: bpy.types.Object, frame: int) -> None:
+    """Read the mesh anew as it is at `frame`, with the armature where it stands now."""
+    target.turgor.bound_frame = frame
+    target.turgor.property_unset("bound_placement")
+    bind(target, accept_topology=True)
+
+
+def refresh_state(target: bpy.types.Object) -> None:
+    """Look again at what stands around our modifier, if any of it changed."""
+    known = runtime.character(target.session_uid)
+    state = findings.state(target, stack.volume_modifier(target), stack.armature_modifier(target))
+    if known.state != state:
+        known.state, known.state_findings = state, tuple(findings.of_volume_state(target))
+        runtime.log_findings(known, target.name, known.state_findings)
 
 
 def refresh_tables(target: bpy.types.Object) -> None:
@@ -86,23 +107,26 @@ def _flat(tables: dict[int, Tables]) -> list[object]:
 
 
 def _bind(target: bpy.types.Object, before: Bound | None, accept_topology: bool) -> Bound:
-    obstacle = stack.obstacle(target)
+    obstacle = obstacles.obstacle(target)
     if obstacle is not None:
         raise BindError(obstacle)
     holder = carrier.carrier_of(target)
     if runtime.session.route == "PUSH" and holder is not None and holder.data.library is not None:
-        raise BindError(
-            "The character is linked with its offsets, which push cannot write: choose pull in the preferences"
-        )
+        text = "The character is linked with its offsets, which push cannot write: choose pull in the preferences"
+        raise BindError(obstacles.Obstacle("push_linked", text))
     armature = stack.armature_modifier(target)
     group_names = [group.name for group in target.vertex_groups]
     bones = skeleton.read_bones(armature.object, group_names)
     if not len(bones.names):
-        raise BindError(f"No vertex group is named after a deform bone of {armature.object.name}: assign weights")
+        text = message(
+            "No vertex group is named after a deform bone of {rig}: assign weights", rig=armature.object.name
+        )
+        raise BindError(obstacles.Obstacle("no_deform_groups", text))
     read = rest.read_rest(target, armature, target.turgor.bound_frame)
     if not len(read.positions):
-        raise BindError("The mesh has no vertices before the Armature modifier: give it some")
-    check_topology(target.turgor, runtime.character(target.session_uid), read, accept=accept_topology)
+        text = "The mesh has no vertices before the Armature modifier: give it some"
+        raise BindError(obstacles.Obstacle("no_vertices", text))
+    check_topology(target.turgor, read, accept=accept_topology)
     content = fingerprint.fingerprint(
         [*read, *bones[1:]],
         bones.names,
@@ -115,13 +139,14 @@ def _bind(target: bpy.types.Object, before: Bound | None, accept_topology: bool)
         settings.rename_joints(target, _renamed(before.bones, bones))
     place = _placement(target, armature.object, is_changed=_is_changed(before, armature.object, content))
     if before is not None and before.content == content and (before.placement == place).all():
-        made = before.body
+        made, unweighted_count = before.body, before.unweighted_count
     else:
-        made = _engine(read, bones, group_names, armature, place)
+        made, unweighted_count = _engine(read, bones, group_names, armature, place)
     if is_editable(target):
         _prepare_scene(target, armature.object, bones, made)
     fleshed = _fleshed(target, bones)
-    return Bound(made, bones, armature.object.session_uid, content, place, profiles.tables(target), fleshed)
+    rig = armature.object.session_uid
+    return Bound(made, bones, rig, content, place, profiles.tables(target), fleshed, unweighted_count)
 
 
 def _fleshed(target: bpy.types.Object, bones: skeleton.RestBones) -> list[bool] | None:
@@ -154,24 +179,27 @@ def _engine(
     group_names: list[str],
     armature: bpy.types.ArmatureModifier,
     object_from_armature: NDArray[np.float64],
-) -> body.Body:
+) -> tuple[body.Body, int]:
+    """The engine, and how many vertices no bone holds."""
     groups = (read.weight_offsets, read.weight_groups, read.weights)
     deform = {name: index for index, name in enumerate(bones.names) if bones.is_deform[index]}
     mask = None
     if armature.vertex_group in group_names:
         mask = weights.vertex_mask(*groups, group_names.index(armature.vertex_group), armature.invert_vertex_group)
-    return body.bind(
+    bone_weights = weights.bone_weights(*groups, group_names, deform)
+    made = body.bind(
         read.positions,
         read.face_offsets,
         read.face_corners,
         bones.parents,
         bones.rest_matrices,
-        weights.bone_weights(*groups, group_names, deform),
+        bone_weights,
         mask,
         armature.use_deform_preserve_volume,
         read.shape_deltas,
         object_from_armature,
     )
+    return made, weights.unweighted_count(bone_weights, mask)
 
 
 def _renamed(before: skeleton.RestBones, after: skeleton.RestBones) -> dict[str, str]:

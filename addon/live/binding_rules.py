@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import bpy
 
-from .. import runtime
 from ..logic import fingerprint
 from ..scene import rest
+from ..scene.obstacles import Obstacle
 
 
 class BindError(ValueError):
     """Why the object cannot be bound, and what to do."""
+
+    def __init__(self, obstacle: Obstacle) -> None:
+        super().__init__(obstacle.text)
+        self.obstacle = obstacle
 
 
 def is_editable(ob: bpy.types.Object) -> bool:
@@ -18,16 +22,14 @@ def is_editable(ob: bpy.types.Object) -> bool:
     return ob.library is None
 
 
-def check_topology(
-    settings: bpy.types.PropertyGroup, known: runtime.Character, read: rest.RestMesh, *, accept: bool
-) -> None:
+def check_topology(settings: bpy.types.PropertyGroup, read: rest.RestMesh, *, accept: bool) -> None:
     """Refuses another mesh than was bound, unless the artist accepts it; remembers the first in `settings`."""
     found = fingerprint.fingerprint([read.face_offsets, read.face_corners], len(read.positions))
     saved = settings.bound_topology
     if found == saved:
         return
     if saved and not accept:
-        known.needs_rebind = True
-        raise BindError("Mesh changed: its vertices or faces are others than when it was bound; press Rebind")
+        text = "Mesh changed: its vertices or faces are others than when it was bound; press Rebind"
+        raise BindError(Obstacle("stale_binding", text, "REBIND"))
     if is_editable(settings.id_data):
         settings.bound_topology = found

@@ -14,7 +14,7 @@ from .. import runtime
 from ..logic import figures, joints
 from ..properties.profiles import PRESETS
 from ..scene import frame, settings
-from . import spine_frame
+from . import findings, spine_frame
 from .binding import Bound
 from .guard import guarded
 
@@ -62,7 +62,9 @@ def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, a
     done = perf_counter()
     if not runtime.session.is_rendering:
         strengths = bound.body.joint_strengths
-        known.measure = cache(lambda: _figures(report, bound, strengths, saved.target_volume))
+        known.measure = measure = cache(lambda: _figures(report, bound, strengths, saved.target_volume))
+        uid = target.original.session_uid
+        known.inspect = cache(lambda: _inspect(known, uid, measure(), bound, strengths))
         known.timing = runtime.Timing(1e3 * (read - started), 1e3 * (done - read), 0.0)
 
 
@@ -87,3 +89,16 @@ def _figures(
     rows = zip(found.lost, found.regained, found.is_capped, strict=True)
     by_bone = {name: runtime.JointFigures(*row) for name, row in zip(names, rows, strict=True)}
     return runtime.Figures(found.corrected_deviation, found.skinned_deviation, by_bone)
+
+
+def _inspect(
+    known: runtime.Character, uid: int, figures: runtime.Figures, bound: Bound, strengths: NDArray[np.float64]
+) -> tuple[runtime.Finding, ...]:
+    """When a panel is drawn, on the main thread."""
+    target = next((ob for ob in bpy.data.objects if ob.session_uid == uid), None)
+    if target is None:
+        return ()
+    names = [bound.bones.names[bone] for bone in bound.body.joint_bones]
+    found = findings.of_figures(target, figures, dict(zip(names, strengths.tolist(), strict=True)))
+    runtime.log_findings(known, target.name, found)
+    return found

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import bpy
 
 from .. import runtime
+from . import findings
 
 
 def guarded(
@@ -24,8 +25,8 @@ def guarded(
     try:
         is_shown = compute(known)
     except Exception as error:  # the artist reads it in the panel
-        runtime.set_problem(known, original.name, str(error) or repr(error))
+        runtime.set_failure(known, original.name, findings.of_error(original, error))
         return False
     if is_shown:
-        runtime.set_problem(known, original.name, None)
+        runtime.set_failure(known, original.name, None)
     return is_shown

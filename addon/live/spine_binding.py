@@ -15,20 +15,25 @@ from turgor import TurgorError
 
 from .. import runtime
 from ..logic import fingerprint, flesh, weights
+from ..messages import message
 from ..scene import (
     carrier,
     drivers,
     modifier_inputs,
     node_group,
+    obstacles,
     placement,
     rest,
     skeleton,
     spine_chain,
     spine_curve,
     spine_stack,
-    stack,
 )
+from . import findings
 from .binding_rules import BindError, check_topology, is_editable
+
+# What renders show where they cannot show ours.
+BODY_AT_REST = message("the body without its spine")
 
 
 class Bound(NamedTuple):
@@ -50,23 +55,42 @@ def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
     accept_topology: the artist agrees that the mesh has other vertices or faces than when it was bound.
     """
     known = runtime.spine(target.session_uid)
-    known.needs_rebind = False
     known.signature = spine_stack.signature(target)
-    problem = None
+    found: list[runtime.Finding] = []
     try:
         with runtime.quiet():
             bound = _bind(target, known, accept_topology)
     except (BindError, rest.ShapeKeyTopologyError, placement.PlacementError, TurgorError) as error:
-        bound, problem = None, str(error)
+        bound = None
+        found.append(findings.of_error(target, error))
     known.body = bound
-    difference = stack.render_difference(target, spine_stack.rest_end(target), "the body without its spine")
-    known.notes = () if difference is None else (difference,)
+    difference = obstacles.render_difference(target, spine_stack.rest_end(target), BODY_AT_REST)
+    if difference is not None:
+        found.append(findings.of_obstacle(target, "WARNING", difference))
     if is_editable(target) and target.override_library is None:
         _set_switches(target, is_same=difference is None)
-    runtime.set_problem(known, target.name, problem)
+    runtime.set_bind_findings(known, target.name, tuple(found))
+    refresh_state(target)
     holder = carrier.carrier_of(target, node_group.SPINE)
     if holder is not None:
         holder.turgor.carrier.mesh.update_tag()
+
+
+def rebind(target: bpy.types.Object, frame: int) -> None:
+    """Read the mesh anew as it is at `frame`, and take the spine as it rests now."""
+    target.turgor_spine.bound_frame = frame
+    with runtime.quiet():
+        take_rest(target)
+    bind(target, accept_topology=True)
+
+
+def refresh_state(target: bpy.types.Object) -> None:
+    """Look again at what stands around our modifier, if any of it changed."""
+    known = runtime.spine(target.session_uid)
+    state = findings.state(target, spine_stack.spine_modifier(target), spine_stack.limb_modifier(target))
+    if known.state != state:
+        known.state, known.state_findings = state, tuple(findings.of_spine_state(target))
+        runtime.log_findings(known, target.name, known.state_findings)
 
 
 def take_rest(target: bpy.types.Object) -> None:
@@ -103,16 +127,18 @@ def _bind(target: bpy.types.Object, known: runtime.Character, accept_topology: b
         raise BindError(obstacle)
     holder = carrier.carrier_of(target, node_group.SPINE)
     if runtime.session.route == "PUSH" and holder is not None and holder.data.library is not None:
-        raise BindError("The body is linked with its offsets, which push cannot write: choose pull in the preferences")
+        text = "The body is linked with its offsets, which push cannot write: choose pull in the preferences"
+        raise BindError(obstacles.Obstacle("push_linked", text))
     saved = target.turgor_spine
     read = rest.read_rest(target, spine_stack.rest_end(target), saved.bound_frame)
     if not len(read.positions):
-        raise BindError("The mesh has no vertices before Turgor Spine: give it some")
-    check_topology(saved, known, read, accept=accept_topology)
+        raise BindError(obstacles.Obstacle("no_vertices", "The mesh has no vertices before Turgor Spine: give it some"))
+    check_topology(saved, read, accept=accept_topology)
     spine = saved.rig if saved.source == "BONES" else saved.curve
     if saved.bound_to != spine:
         if not is_editable(target):
-            raise BindError("The body is linked and its spine was never bound: open its file and press Rebind there")
+            text = "The body is linked and its spine was never bound: open its file and press Rebind there"
+            raise BindError(obstacles.Obstacle("never_bound", text))
         take_rest(target)
     limb = spine_stack.limb_modifier(target)
     group_names = [group.name for group in target.vertex_groups]
@@ -159,7 +185,8 @@ def _limb(
     deform = {name: index for index, name in enumerate(bones.names) if bones.is_deform[index]}
     in_chain = {name: index for name, index in deform.items() if name in chain}
     if not in_chain:
-        raise BindError("No vertex group is named after a bone of the chain: assign weights, or turn the Armature off")
+        text = "No vertex group is named after a bone of the chain: assign weights, or turn the Armature off"
+        raise BindError(obstacles.Obstacle("no_deform_groups", text))
     mine = weights.bone_weights(*groups, group_names, in_chain)
     held = weights.sums(mine) / np.maximum(weights.sums(weights.bone_weights(*groups, group_names, deform)), 1e-30)
     if armature.vertex_group in group_names:

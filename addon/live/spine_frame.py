@@ -23,6 +23,7 @@ from ..scene import (
     spine_curve,
     spine_stack,
 )
+from . import findings
 from .guard import guarded
 from .spine_binding import Bound
 
@@ -76,7 +77,8 @@ def _flesh(target: bpy.types.Object, known: runtime.Character, bound: Bound, add
         known.name = target.name
         world = np.array(target.matrix_world, np.float64)
         body, pose = found.body, found.pose
-        known.measure = cache(lambda: _figures(outcome))
+        known.measure = measure = cache(lambda: _figures(outcome))
+        known.inspect = cache(lambda: findings.of_spine_figures(measure()))
         known.sketch = cache(lambda: sketch.draw(body, pose, outcome.offsets, world))
         known.local_error = cache(lambda: sketch.local_error(body, pose))
         known.timing = runtime.Timing(1e3 * (ready - started), 1e3 * (done - ready), 1e3 * (perf_counter() - done))

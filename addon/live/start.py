@@ -80,6 +80,7 @@ def _follow_character(target: bpy.types.Object, *, is_edited: bool) -> None:
     known.is_stale = known.is_stale or is_edited or known.signature != stack.signature(target)
     if not known.is_stale:
         follow_curves(target)
+        binding.refresh_state(target)
     elif target.mode not in EDITING_MODES:
         known.is_stale = False
         binding.bind(target)
@@ -88,7 +89,9 @@ def _follow_character(target: bpy.types.Object, *, is_edited: bool) -> None:
 def _follow_body(target: bpy.types.Object, *, is_edited: bool) -> None:
     known = runtime.spine(target.session_uid)
     known.is_stale = known.is_stale or is_edited or known.signature != spine_stack.signature(target)
-    if known.is_stale and target.mode not in EDITING_MODES:
+    if not known.is_stale:
+        spine_binding.refresh_state(target)
+    elif target.mode not in EDITING_MODES:
         known.is_stale = False
         spine_binding.bind(target)
 

@@ -9,16 +9,10 @@ import numpy as np
 import turgor
 from numpy.typing import NDArray
 
+from . import shells
 from .weights import BoneWeights
 
 Solver = Literal["simultaneous", "sequential"]
-
-_WHY_NOT_CORRECTED = {
-    "sheet": "too open to hold a volume",
-    "flat": "flat, holds no volume",
-    "non_manifold": "edges with three or more faces",
-    "not_orientable": "faces that cannot agree which side is out",
-}
 
 
 def bind(
@@ -80,6 +74,11 @@ class Body:
         """Volume of all corrected components, each counted positive."""
         return sum(abs(part.rest_volume) for part in self._bound.mesh.components if part.is_sound)
 
+    @property
+    def shells(self) -> shells.Shells:
+        """What its parts are like; worked out anew."""
+        return shells.describe(self._bound.mesh)
+
     def with_settings(
         self, key: object, joints: Callable[[], Sequence[turgor.Joint]], solver: Solver, keep_bone_scale: bool
     ) -> turgor.VolumeSkin:
@@ -94,14 +93,3 @@ class Body:
     def _strengths(self, joints: Sequence[turgor.Joint]) -> NDArray[np.float64]:
         of_bone = {joint.bone: joint.strength for joint in joints}
         return np.array([of_bone.get(bone, 1.0) for bone in self.joint_bones], np.float64)
-
-    def uncorrected_parts(self) -> tuple[str, ...]:
-        """One line per kind of component that stays as skinned, for the artist."""
-        found: dict[str, int] = {}
-        for part in self._bound.mesh.components:
-            if not part.is_sound:
-                found[part.status] = found.get(part.status, 0) + 1
-        return tuple(
-            f"{count} part{'s' if count > 1 else ''} not corrected: {_WHY_NOT_CORRECTED[status]}"
-            for status, count in sorted(found.items())
-        )

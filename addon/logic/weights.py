@@ -39,6 +39,16 @@ def sums(weights: BoneWeights) -> NDArray[np.float64]:
     return total[weights.offsets[1:]] - total[weights.offsets[:-1]]
 
 
+# Blender leaves vertices alone whose weights sum to less.
+LEAST_SUM = 1e-4
+
+
+def unweighted_count(weights: BoneWeights, mask: NDArray[np.float32] | None) -> int:
+    """Vertices that no bone holds, among those on which the Armature acts. mask: (N,) its vertex group."""
+    is_free = sums(weights) <= LEAST_SUM
+    return int((is_free if mask is None else is_free & (mask > 0.0)).sum())
+
+
 def vertex_mask(
     offsets: NDArray[np.int32],
     groups: NDArray[np.int32],

@@ -6,7 +6,7 @@ import bpy
 
 from .. import runtime
 from ..live import housekeeping, push, route
-from ..scene import stack
+from ..scene import obstacles, stack
 
 
 class OBJECT_OT_turgor_volume_add(bpy.types.Operator):
@@ -59,7 +59,8 @@ def _refusal(ob: bpy.types.Object) -> str | None:
         return "The object is linked: make a library override first"
     if stack.volume_modifier(ob) is not None:
         return "The object has Turgor Volume already"
-    return stack.obstacle(ob)
+    found = obstacles.obstacle(ob)
+    return None if found is None else found.text
 
 
 def draw(menu: bpy.types.Menu, context: bpy.types.Context) -> None:

@@ -26,8 +26,5 @@ class OBJECT_OT_turgor_volume_rebind(bpy.types.Operator):
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        ob = context.object
-        ob.turgor.bound_frame = context.scene.frame_current
-        ob.turgor.property_unset("bound_placement")
-        binding.bind(ob, accept_topology=True)
+        binding.rebind(context.object, context.scene.frame_current)
         return {"FINISHED"}

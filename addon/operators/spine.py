@@ -60,11 +60,7 @@ class OBJECT_OT_turgor_spine_rebind(bpy.types.Operator):
         return _has_own(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        ob = context.object
-        ob.turgor_spine.bound_frame = context.scene.frame_current
-        with runtime.quiet():
-            spine_binding.take_rest(ob)
-        spine_binding.bind(ob, accept_topology=True)
+        spine_binding.rebind(context.object, context.scene.frame_current)
         return {"FINISHED"}
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import bpy
 
 from .. import runtime
+from .diagnostics import draw_findings
 from .percent import signed_percent
-from .state import draw_problem, draw_timing
-from .text import draw_wrapped
+from .state import draw_timing
 
 PARENT_PANEL = "TURGOR_PT_spine"
 BLEND_NAMES = ("Radial", "Normal", "Binormal")
@@ -29,10 +29,8 @@ class TURGOR_PT_spine(bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         ob = context.object
         known = _known(ob)
-        draw_problem(self.layout, context, known, "object.turgor_spine_rebind")
-        _draw_readout(self.layout, context, ob, known)
-        for note in known.notes:
-            draw_wrapped(self.layout, context, note, "INFO")
+        _draw_readout(self.layout, ob, known)
+        draw_findings(self.layout, context, known, "SPINE")
         _draw_source(self.layout, ob.turgor_spine)
         _draw_flesh(self.layout, ob)
 
@@ -74,9 +72,7 @@ def _known(ob: bpy.types.Object) -> runtime.Character:
     return runtime.session.spines.get(ob.session_uid, runtime.Character())
 
 
-def _draw_readout(
-    layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy.types.Object, known: runtime.Character
-) -> None:
+def _draw_readout(layout: bpy.types.UILayout, ob: bpy.types.Object, known: runtime.Character) -> None:
     figures = known.figures
     if figures is None:
         return
@@ -97,10 +93,6 @@ def _draw_readout(
         line.alignment = "CENTER"
         line.active = False
         line.label(text=f"of small chunks {100 * found.mean:.4f} %, at most {100 * found.most:.3f} %")
-    if figures.clamped_count:
-        count = figures.clamped_count
-        text = f"{count:,} of {figures.point_count:,} vertices lie too far inside a bend and are held back there"
-        draw_wrapped(column, context, text, "ERROR")
 
 
 def _draw_source(layout: bpy.types.UILayout, saved: bpy.types.PropertyGroup) -> None:

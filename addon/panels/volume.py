@@ -5,11 +5,11 @@ from __future__ import annotations
 import bpy
 
 from .. import runtime
+from .diagnostics import draw_findings
 from .joint import draw_joint
 from .joints import columns
 from .percent import signed_percent
-from .state import draw_problem, draw_timing
-from .text import draw_wrapped
+from .state import draw_timing
 
 PARENT_PANEL = "TURGOR_PT_volume"
 # An error from here on is rounded as roughly as that of plain skinning.
@@ -38,9 +38,8 @@ class TURGOR_PT_volume(bpy.types.Panel):
             self.layout.operator("object.turgor_volume_add", text="Add Turgor Volume", icon="ADD")
             return
         known = _known(ob)
-        draw_problem(self.layout, context, known, "object.turgor_volume_rebind")
         _draw_readout(self.layout, known)
-        _draw_notes(self.layout, context, known)
+        draw_findings(self.layout, context, known, "VOLUME")
         _draw_joints(self.layout, context, ob)
         draw_joint(self.layout, ob)
 
@@ -66,7 +65,7 @@ class TURGOR_PT_settings(bpy.types.Panel):
         buttons = self.layout.row(align=True)
         buttons.operator("object.turgor_volume_rebind", icon="FILE_REFRESH")
         buttons.operator("object.turgor_volume_remove", text="Remove", icon="X")
-        _draw_state(self.layout, context, _known(ob))
+        draw_timing(self.layout, _known(ob))
 
 
 def has_volume(ob: bpy.types.Object | None) -> bool:
@@ -93,12 +92,6 @@ def _draw_readout(layout: bpy.types.UILayout, known: runtime.Character) -> None:
     line.label(text=f"without Turgor {signed_percent(figures.skinned_deviation, 2)}")
 
 
-def _draw_notes(layout: bpy.types.UILayout, context: bpy.types.Context, known: runtime.Character) -> None:
-    column = layout.column(align=True)
-    for note in known.notes:
-        draw_wrapped(column, context, note, "INFO")
-
-
 def _draw_joints(layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy.types.Object) -> None:
     column = layout.column(align=True)
     header = column.row()
@@ -107,10 +100,3 @@ def _draw_joints(layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy
         cell.label(text=text)
     header.separator(factor=LIST_MARGIN)
     column.template_list("TURGOR_UL_joints", "", ob.turgor, "joints", ob.turgor, "active_joint", rows=6)
-
-
-def _draw_state(layout: bpy.types.UILayout, context: bpy.types.Context, known: runtime.Character) -> None:
-    draw_timing(layout, known)
-    if runtime.session.route == "PUSH":
-        text = f"Evaluates each frame twice: {runtime.session.route_reason}"
-        draw_wrapped(layout.column(align=True), context, text, "INFO")

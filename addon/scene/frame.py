@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from . import placement, shape_keys, stack
+from . import obstacles, placement, shape_keys, stack
 
 
 class FrameInputs(NamedTuple):
@@ -27,7 +27,8 @@ def read_frame(target: bpy.types.Object) -> FrameInputs:
     """`target`: the evaluated character."""
     armature = stack.armature_modifier(target)
     if armature is None or armature.object is None:
-        raise FrameError(stack.obstacle(target) or "No armature")
+        found = obstacles.obstacle(target)
+        raise FrameError("No armature" if found is None else found.text)
     rig = armature.object
     return FrameInputs(read_pose(rig), placement.object_from_armature(target, rig), shape_keys.read_values(target))
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import bpy
 
-from . import node_group, skeleton, spine_chain, spine_curve, stack
+from ..messages import message
+from . import node_group, obstacles, skeleton, spine_chain, spine_curve, stack
+from .obstacles import Obstacle
 
 # Before these it is put into a new stack: they move the mesh, or make another one in renders.
 LATER_TYPES = stack.MOVING_TYPES | {"ARMATURE", "SUBSURF", "MULTIRES"}
@@ -37,12 +39,15 @@ def fleshed_limb(ob: bpy.types.Object) -> bpy.types.NodesModifier | None:
     return ours if following == [stack.volume_modifier(ob)] else None
 
 
-def render_difference(ob: bpy.types.Object) -> str | None:
+def render_difference(ob: bpy.types.Object) -> Obstacle | None:
     """Why Turgor Volume, after ours, is not right in renders."""
     ours = spine_modifier(ob)
     if ours is None or limb_modifier(ob) is None or ours.show_viewport == ours.show_render:
         return None
-    return f"{ours.name} is on in the viewport or in renders only: renders show plain skinning"
+    text = message(
+        "{modifier} is on in the viewport or in renders only: renders show plain skinning", modifier=ours.name
+    )
+    return Obstacle("render_switch", text, "SAME_IN_RENDERS", ours.name)
 
 
 def rest_end(ob: bpy.types.Object) -> bpy.types.Modifier | None:
@@ -62,34 +67,42 @@ def place_for_new(ob: bpy.types.Object, rig: bpy.types.Object | None) -> int:
     return len(ob.modifiers)
 
 
-def obstacle(ob: bpy.types.Object) -> str | None:
+def obstacle(ob: bpy.types.Object) -> Obstacle | None:
     """Why this body cannot follow its spine and what to do; None when it can."""
     saved, ours = ob.turgor_spine, spine_modifier(ob)
     if saved.source == "BONES":
-        found = spine_chain.obstacle(saved.rig, saved.first_bone, saved.last_bone)
+        text = spine_chain.obstacle(saved.rig, saved.first_bone, saved.last_bone)
     else:
-        found = spine_curve.obstacle(saved.curve)
-    if found is not None or ours is None:
-        return found
+        text = spine_curve.obstacle(saved.curve)
+    if text is not None:
+        return Obstacle("no_spine", text)
+    if ours is None:
+        return None
     limb = limb_modifier(ob)
-    if limb is not None:
-        found = stack.armature_obstacle(ob, limb)
-        if found is not None:
-            return found
-    return _earlier_obstacle(ob, limb or ours)
+    found = None if limb is None else obstacles.armature_obstacle(ob, limb)
+    return found or _earlier_obstacle(ob, limb or ours)
 
 
-def _earlier_obstacle(ob: bpy.types.Object, end: bpy.types.Modifier) -> str | None:
+def _earlier_obstacle(ob: bpy.types.Object, end: bpy.types.Modifier) -> Obstacle | None:
     has_shape_keys = ob.data.shape_keys is not None
     for modifier in stack.modifiers_before(ob, end):
+        name = modifier.name
         if modifier.type == "ARMATURE":
-            return f"{modifier.name} deforms the body before Turgor Spine: move it below, or flesh its own bones"
+            text = message(
+                "{modifier} deforms the body before Turgor Spine: move it below, or flesh its own bones", modifier=name
+            )
+            return Obstacle("second_armature", text, "MOVE_AFTER", name)
         if stack.moves(modifier):
-            return f"{modifier.name} can move the body before Turgor Spine: move it below"
+            text = message("{modifier} can move the body before Turgor Spine: move it below", modifier=name)
+            return Obstacle("moving_modifier", text, "MOVE_AFTER", name)
         if stack.is_animated(ob, modifier):
-            return f"{modifier.name} is animated before Turgor Spine: move it below"
+            text = message("{modifier} is animated before Turgor Spine: move it below", modifier=name)
+            return Obstacle("moving_modifier", text, "MOVE_AFTER", name)
         if has_shape_keys and modifier.type not in stack.LINEAR_TYPES:
-            return f"{modifier.name} changes shape keys before Turgor Spine: apply it, or move it below"
+            text = message(
+                "{modifier} changes shape keys before Turgor Spine: apply it, or move it below", modifier=name
+            )
+            return Obstacle("shape_key_modifier", text, "MOVE_AFTER", name)
     return None
 
 

@@ -1,4 +1,4 @@
-"""The modifier stack: which modifiers are ours, what stands before the Armature, and what we cannot follow."""
+"""The modifier stack: which modifiers are ours, and what stands before the Armature."""
 
 from __future__ import annotations
 
@@ -19,7 +19,6 @@ MOVING_NODES = frozenset(
     "GeometryNodeInputSceneTime GeometryNodeObjectInfo GeometryNodeCollectionInfo GeometryNodeSimulationInput"
     " GeometryNodeInputActiveCamera GeometryNodeSelfObject".split()
 )
-VIEWPORT_NODES = frozenset({"GeometryNodeIsViewport"})
 # More levels than any subdivision has.
 ANY_LEVEL = 99
 # With these before the Armature the mesh is a weighted sum of the shape keys' meshes.
@@ -67,11 +66,12 @@ def armature_modifier(ob: bpy.types.Object) -> bpy.types.ArmatureModifier | None
         before = modifiers[: modifiers.index(ours)]
         modifiers = before[-2:-1] if before and before[-1] == own_modifier(ob, node_group.SPINE) else before[-1:]
     armatures = [modifier for modifier in modifiers if modifier.type == "ARMATURE"]
-    in_use = [modifier for modifier in armatures if _is_on(modifier)]
+    in_use = [modifier for modifier in armatures if is_on(modifier)]
     return (in_use or armatures or [None])[-1]
 
 
-def _is_on(modifier: bpy.types.Modifier) -> bool:
+def is_on(modifier: bpy.types.Modifier) -> bool:
+    """In the viewport or in renders."""
     return modifier.show_viewport or modifier.show_render
 
 
@@ -80,116 +80,15 @@ def modifiers_before(ob: bpy.types.Object, modifier: bpy.types.Modifier) -> Iter
     for earlier in ob.modifiers:
         if earlier == modifier:
             return
-        if _is_on(earlier):
+        if is_on(earlier):
             yield earlier
-
-
-def obstacle(ob: bpy.types.Object) -> str | None:
-    """Why this object cannot be corrected and what to do; None when it can."""
-    armature = armature_modifier(ob)
-    if armature is None:
-        if volume_modifier(ob) is not None:
-            return "No Armature modifier right before Turgor Volume: move Turgor Volume directly below it"
-        if own_modifier(ob, node_group.SPINE) is not None:
-            return "No Armature modifier: Turgor Spine alone keeps the volume by itself, turn on its Exact Volume"
-        return "No Armature modifier: give the mesh one (Object > Parent > Armature Deform)"
-    return (
-        armature_obstacle(ob, armature)
-        or _rig_obstacle(ob, armature)
-        or _earlier_obstacle(ob, armature)
-        or _later_obstacle(ob, armature)
-    )
-
-
-def render_difference(
-    ob: bpy.types.Object, end: bpy.types.Modifier | None, shown: str = "plain skinning"
-) -> str | None:
-    """What makes the stack before `end` another mesh in renders, where then only `shown` is seen."""
-    if end is None:
-        return None
-    for modifier in modifiers_before(ob, end):
-        if modifier.show_viewport != modifier.show_render:
-            return f"{modifier.name} is on in the viewport or in renders only: renders show {shown}"
-        in_viewport, in_render = _detail(modifier)
-        if in_viewport != in_render:
-            return (
-                f"{modifier.name} has other levels in renders ({in_render}) than in the viewport ({in_viewport}):"
-                f" make them equal, or renders show {shown}"
-            )
-        if modifier.type == "NODES" and _has_node(modifier.node_group, VIEWPORT_NODES):
-            return f"{modifier.name} asks whether it is in the viewport: renders show {shown}"
-    return None
-
-
-def _detail(modifier: bpy.types.Modifier) -> tuple[int, int]:
-    """Levels or steps in the viewport and in renders, with the scene's Simplify."""
-    if modifier.type == "SCREW":
-        return modifier.steps, modifier.render_steps
-    if modifier.type not in {"SUBSURF", "MULTIRES"}:
-        return 0, 0
-    most_in_viewport, most_in_render = _most_levels()
-    return min(modifier.levels, most_in_viewport), min(modifier.render_levels, most_in_render)
-
-
-def _most_levels() -> tuple[int, int]:
-    render = bpy.context.scene.render
-    if not render.use_simplify:
-        return ANY_LEVEL, ANY_LEVEL
-    return render.simplify_subdivision, render.simplify_subdivision_render
-
-
-def armature_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> str | None:
-    """What this Armature modifier does that is not followed."""
-    if armature.object is None or armature.object.type != "ARMATURE":
-        return f"Modifier {armature.name} has no armature object: choose one"
-    if armature.use_multi_modifier:
-        return f"{armature.name} uses Multi Modifier, which blends two armatures: turn it off"
-    if armature.use_bone_envelopes or not armature.use_vertex_groups:
-        return f"{armature.name} deforms by bone envelopes: use vertex groups only"
-    if is_animated(ob, armature, but=_FOLLOWED):
-        return f"{armature.name} has animated settings: remove their keyframes and drivers"
-    keys = ob.data.shape_keys
-    if keys is not None and not keys.use_relative:
-        return "Shape keys are absolute: make them Relative in the mesh's properties"
-    return None
-
-
-def _rig_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> str | None:
-    groups = ob.vertex_groups
-    for bone in armature.object.data.bones:
-        if bone.use_deform and bone.name in groups:
-            if bone.bbone_segments > 1:
-                return f"Bone {bone.name} is a bendy bone, not supported yet: set its segments to 1"
-            if bone.use_envelope_multiply:
-                return f"Bone {bone.name} multiplies its weights by its envelope: turn that off"
-    return None
-
-
-def _earlier_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> str | None:
-    has_shape_keys = ob.data.shape_keys is not None
-    for modifier in modifiers_before(ob, armature):
-        if modifier.type == "ARMATURE":
-            return f"{modifier.name} deforms before {armature.name}: only one Armature is supported, turn one off"
-        if moves(modifier):
-            return f"{modifier.name} can move the mesh before the Armature: move it after Turgor Volume"
-        if is_animated(ob, modifier):
-            return f"{modifier.name} is animated before the Armature: move it after Turgor Volume"
-        if has_shape_keys and modifier.type not in LINEAR_TYPES:
-            return f"{modifier.name} changes shape keys before the Armature: apply it, or move it after Turgor Volume"
-    return None
-
-
-def _later_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> str | None:
-    for modifier in later_armatures(ob, armature):
-        return f"{modifier.name} deforms again after Turgor Volume: only one Armature is supported, turn one off"
-    return None
 
 
 def later_armatures(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> Iterator[bpy.types.ArmatureModifier]:
     """Those after `armature` that are on in the viewport or in renders."""
     modifiers = list(ob.modifiers)
     for later in modifiers[modifiers.index(armature) + 1 :]:
-        if later.type == "ARMATURE" and _is_on(later):
+        if later.type == "ARMATURE" and is_on(later):
             yield later
 
 
@@ -199,17 +98,18 @@ def moves(modifier: bpy.types.Modifier) -> bool:
         return True
     if modifier.type == "MASK":
         return modifier.mode == "ARMATURE"
-    return modifier.type == "NODES" and _has_node(modifier.node_group, MOVING_NODES)
+    return modifier.type == "NODES" and has_node(modifier.node_group, MOVING_NODES)
 
 
-def _has_node(tree: bpy.types.NodeTree | None, kinds: frozenset[str]) -> bool:
+def has_node(tree: bpy.types.NodeTree | None, kinds: frozenset[str]) -> bool:
+    """In the tree or in a group within."""
     if tree is None:
         return False
-    return any(node.bl_idname in kinds or _has_node(getattr(node, "node_tree", None), kinds) for node in tree.nodes)
+    return any(node.bl_idname in kinds or has_node(getattr(node, "node_tree", None), kinds) for node in tree.nodes)
 
 
 # Switches of the Armature that our modifier follows by its drivers.
-_FOLLOWED = frozenset({"show_viewport", "show_render"})
+FOLLOWED = frozenset({"show_viewport", "show_render"})
 
 
 def is_animated(ob: bpy.types.Object, modifier: bpy.types.Modifier, but: frozenset[str] = frozenset()) -> bool:
@@ -255,6 +155,14 @@ def signature(ob: bpy.types.Object) -> tuple[object, ...]:
     return (*read, *settings_before(ob, armature), [] if armature is None else settings_of(armature))
 
 
+def most_levels() -> tuple[int, int]:
+    """Subdivision levels that the scene allows in the viewport and in renders."""
+    render = bpy.context.scene.render
+    if not render.use_simplify:
+        return ANY_LEVEL, ANY_LEVEL
+    return render.simplify_subdivision, render.simplify_subdivision_render
+
+
 def shape_key_settings(keys: bpy.types.Key | None) -> list[object]:
     """Which keys there are; their values are of the frame."""
     if keys is None:
@@ -266,7 +174,7 @@ def settings_before(ob: bpy.types.Object, end: bpy.types.Modifier | None) -> lis
     """Settings of all modifiers before `end`."""
     modifiers = list(ob.modifiers)
     before = modifiers if end is None else modifiers[: modifiers.index(end)]
-    return [_most_levels(), *(settings_of(modifier) for modifier in before)]
+    return [most_levels(), *(settings_of(modifier) for modifier in before)]
 
 
 def settings_of(modifier: bpy.types.Modifier) -> list[object]:

@@ -115,7 +115,7 @@ def test_another_mesh_in_renders_is_plain_skinning_and_said(route, scene, tmp_pa
     ob.modifiers.move(1, 0)
     plain = _animation(scene, tmp_path / "plain")
     add_turgor(ob)
-    assert "plain skinning" in runtime.character(ob.session_uid).notes[0]
+    assert "plain skinning" in runtime.character(ob.session_uid).findings[0].text
     assert np.abs(_animation(scene, tmp_path / "rendered") - plain).mean() < SAME
 
 
@@ -126,7 +126,7 @@ def test_renders_made_equal_again_are_corrected(route, scene, tmp_path, runtime)
     add_turgor(ob)
     ob.modifiers["Cast"].show_render = True
     bpy.context.view_layer.update()
-    assert runtime.character(ob.session_uid).notes == ()
+    assert runtime.character(ob.session_uid).bind_findings == ()
     corrected = _animation(scene, tmp_path / "corrected")
     set_strength(ob, 0.0)
     assert np.abs(corrected - _animation(scene, tmp_path / "plain")).mean() > OTHER

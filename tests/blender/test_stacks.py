@@ -67,11 +67,11 @@ def test_other_subdivision_in_renders_is_said(runtime):
     ob, _ = character()
     subdivision = _insert_before_armature(ob, "SUBSURF", levels=1, render_levels=2)
     add_turgor(ob)
-    assert "make them equal" in runtime.character(ob.session_uid).notes[0]
+    assert "make them equal" in runtime.character(ob.session_uid).findings[0].text
     subdivision.render_levels = 1
     ob.update_tag()
     bpy.context.view_layer.update()
-    assert runtime.character(ob.session_uid).notes == ()
+    assert runtime.character(ob.session_uid).bind_findings == ()
 
 
 def test_simplify_is_followed(route, runtime):

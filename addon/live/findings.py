@@ -1,0 +1,177 @@
+"""What is off with a character, as findings for the panel and the log: by what its bind, its stack and a frame say."""
+
+from __future__ import annotations
+
+import bpy
+
+from .. import runtime
+from ..logic.shells import Shells
+from ..messages import message
+from ..messages import of_error as message_of
+from ..runtime import Finding
+from ..scene import modifier_inputs, node_group, spine_stack, stack
+from ..scene.obstacles import Obstacle
+from . import refusals
+from .binding_rules import BindError
+
+# Ids of errors that no obstacle names.
+ERROR_IDS = {"ShapeKeyTopologyError": "shape_key_topology", "PlacementError": "placement", "FrameError": "frame"}
+# A joint that misses less than this many percent of the rest volume is not told.
+NOTABLE_PERCENT = 0.005
+# Joints whose field ran out of room are told one by one up to so many.
+MOST_JOINTS = 3
+
+_WHY_NOT_CORRECTED = {
+    "sheet": message("too open to hold a volume"),
+    "flat": message("flat, holds no volume"),
+    "non_manifold": message("edges with three or more faces"),
+    "not_orientable": message("faces that cannot agree which side is out"),
+}
+_SHELL_FIXES = {"sheet": "SELECT_OPEN_EDGES", "non_manifold": "SELECT_NON_MANIFOLD"}
+
+
+def finding(target: bpy.types.Object, severity: str, name: str, text: str, fix: str = "", subject: str = "") -> Finding:
+    """With the reason why its fix cannot be applied to this object."""
+    return Finding(name, severity, text, fix, subject, refusals.refusal(target, fix, subject) if fix else "")
+
+
+def of_error(target: bpy.types.Object, error: Exception) -> Finding:
+    """Why the mesh shows what it would without ours."""
+    if isinstance(error, BindError):
+        return of_obstacle(target, "ERROR", error.obstacle)
+    name = ERROR_IDS.get(type(error).__name__, "engine")
+    return finding(target, "ERROR", name, message_of(error))
+
+
+def of_obstacle(target: bpy.types.Object, severity: str, found: Obstacle) -> Finding:
+    """The same for the panel."""
+    return finding(target, severity, found.id, found.text, found.fix, found.subject)
+
+
+def of_shells(target: bpy.types.Object, shells: Shells) -> list[Finding]:
+    """Parts that are open, inside out, or stay as skinned."""
+    found = []
+    for status, count in sorted(shells.unsound.items()):
+        severity = "WARNING" if status in {"non_manifold", "not_orientable"} or not shells.sound else "INFO"
+        text = message("Parts not corrected: {count}, {reason}", count=count, reason=_WHY_NOT_CORRECTED[status])
+        found.append(finding(target, severity, f"{status}_part", text, _SHELL_FIXES.get(status, "")))
+    if shells.inverted:
+        text = message("Parts that are inside out: {count}; recalculate their normals", count=shells.inverted)
+        found.append(finding(target, "WARNING", "inverted_normals", text, "RECALCULATE_OUTSIDE"))
+    if shells.mixed:
+        text = message("Parts whose faces look both ways: {count}; recalculate their normals", count=shells.mixed)
+        found.append(finding(target, "WARNING", "mixed_normals", text, "RECALCULATE_OUTSIDE"))
+    if shells.open:
+        text = message(
+            "Open parts that count as if they were closed: {count}, with {edges:,} edges around their openings",
+            count=shells.open,
+            edges=shells.open_edges,
+        )
+        found.append(finding(target, "INFO", "open_part", text, "SELECT_OPEN_EDGES"))
+    return found
+
+
+def of_weights(target: bpy.types.Object, unweighted_count: int) -> list[Finding]:
+    """Vertices among weighted ones that no bone holds."""
+    if not unweighted_count:
+        return []
+    text = message(
+        "Vertices that no bone holds and that stay behind: {count:,}; give them weights", count=unweighted_count
+    )
+    return [finding(target, "WARNING", "unweighted", text, "SELECT_UNWEIGHTED")]
+
+
+def of_volume_state(target: bpy.types.Object) -> list[Finding]:
+    """Around Turgor Volume: what can change without any bind."""
+    ours, armature = stack.volume_modifier(target), stack.armature_modifier(target)
+    return _of_state(target, ours, armature)
+
+
+def of_spine_state(target: bpy.types.Object) -> list[Finding]:
+    """Around Turgor Spine."""
+    return _of_state(target, spine_stack.spine_modifier(target), spine_stack.limb_modifier(target))
+
+
+def state(target: bpy.types.Object, ours: bpy.types.Modifier | None, armature: bpy.types.Modifier | None) -> tuple:
+    """While equal, `of_volume_state` or `of_spine_state` finds the same; cheap."""
+    switches = [None if each is None else (each.show_viewport, each.show_render) for each in (ours, armature)]
+    session = runtime.session
+    return (*switches, target.matrix_world.is_negative, target.library is None, session.route, session.route_reason)
+
+
+def _of_state(
+    target: bpy.types.Object, ours: bpy.types.Modifier | None, armature: bpy.types.Modifier | None
+) -> list[Finding]:
+    found = []
+    if ours is not None:
+        if not ours.show_render and (armature is None or armature.show_render):
+            text = message("{modifier} is off in renders", modifier=ours.name)
+            found.append(finding(target, "WARNING", "off_in_renders", text, "SHOW_IN_RENDERS", ours.name))
+        if not ours.show_viewport and (armature is None or armature.show_viewport):
+            text = message("{modifier} is off in the viewport", modifier=ours.name)
+            found.append(finding(target, "INFO", "off_in_viewport", text, "SHOW_IN_VIEWPORT", ours.name))
+    if target.matrix_world.is_negative:
+        text = "The object is mirrored by a negative scale; exporters may turn it inside out: apply its scale"
+        found.append(finding(target, "INFO", "negative_scale", text))
+    if target.library is not None:
+        text = "The object is linked, its settings are read only: make a library override to change them"
+        found.append(finding(target, "INFO", "linked", text))
+    if runtime.session.route == "PUSH":
+        text = message("Evaluates each frame twice: {reason}", reason=runtime.session.route_reason)
+        found.append(finding(target, "INFO", "push_route", text))
+    return found
+
+
+def of_figures(target: bpy.types.Object, figures: runtime.Figures, strengths: dict[str, float]) -> tuple[Finding, ...]:
+    """Of one frame of Turgor Volume: joints out of room, and volume that settings leave out. strengths: by joint."""
+    found = _of_capped_joints(target, figures)
+    weak = [
+        name
+        for name, joint in figures.joints.items()
+        if abs(joint.lost * (1.0 - strengths.get(name, 1.0))) >= NOTABLE_PERCENT
+    ]
+    if weak:
+        text = message(
+            "The strength of joints leaves {percent:+.2f} % of the volume: {joints}",
+            percent=figures.corrected_deviation,
+            joints=", ".join(weak[:MOST_JOINTS]) + (", …" if len(weak) > MOST_JOINTS else ""),
+        )
+        found.append(finding(target, "INFO", "joint_strength", text))
+    ours = stack.volume_modifier(target)
+    part = 1.0 if ours is None else float(modifier_inputs.read_input(ours, node_group.STRENGTH))
+    if ours is not None and part != 1.0:
+        text = message(
+            "Strength of {modifier} is {part:.2f}: the mesh lies between plain skinning and the exact volume",
+            modifier=ours.name,
+            part=part,
+        )
+        found.append(finding(target, "INFO", "strength", text))
+    return tuple(found)
+
+
+def _of_capped_joints(target: bpy.types.Object, figures: runtime.Figures) -> list[Finding]:
+    capped = [name for name, joint in figures.joints.items() if joint.is_capped and abs(joint.lost) >= NOTABLE_PERCENT]
+    capped.sort(key=lambda name: -abs(figures.joints[name].lost))
+    found = []
+    for name in capped[:MOST_JOINTS]:
+        text = message(
+            "{joint} has no room for all of its volume; the rest went to the skin around: give it a larger Size",
+            joint=name,
+        )
+        found.append(finding(target, "INFO", "capped", text, "LARGER_SIZE", name))
+    if len(capped) > MOST_JOINTS:
+        text = message("Other joints without room for all of their volume: {count}", count=len(capped) - MOST_JOINTS)
+        found.append(finding(target, "INFO", "capped", text))
+    return found
+
+
+def of_spine_figures(figures: runtime.SpineFigures) -> tuple[Finding, ...]:
+    """Of one frame of Turgor Spine."""
+    if not figures.clamped_count:
+        return ()
+    text = message(
+        "{count:,} of {all:,} vertices lie too far inside a bend and are held back there",
+        count=figures.clamped_count,
+        all=figures.point_count,
+    )
+    return (Finding("clamped", "WARNING", text),)
