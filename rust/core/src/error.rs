@@ -28,6 +28,8 @@ pub enum Error {
     JointTwice { bone: usize },
     #[error("bone {bone} has no joint: need a bone of joint_bones, one that carries weight")]
     NoJoint { bone: usize },
+    #[error("frame {frame}: {error}")]
+    Frame { frame: usize, error: Box<Error> },
     #[error("component {component} is to gain {volume:e} but gamma lets nothing move its volume: widen gamma or turn the axes")]
     NothingToMove { component: usize, volume: f64 },
     #[error("{what}: found {found}, a spine needs at least 2: add a point")]

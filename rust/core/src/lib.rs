@@ -14,6 +14,7 @@ mod fields;
 mod frame;
 mod joint;
 mod lanes;
+mod measure;
 mod mesh;
 mod motions;
 mod patches;

@@ -24,7 +24,25 @@ fn describe(array: &Bound<'_, PyAny>) -> String {
     format!("{} {}", part("dtype"), part("shape"))
 }
 
-/// A flat copy of an array whose shape `accepts` allows; `needed` says which those are.
+/// A flat copy of an array whose shape `accepts` allows, and that shape; `needed` says which those are.
+fn read_shaped<T: numpy::Element + Copy>(
+    value: &Bound<'_, PyAny>,
+    what: &str,
+    dtype: &str,
+    needed: &str,
+    accepts: impl Fn(&[usize]) -> bool,
+) -> PyResult<(Vec<T>, Vec<usize>)> {
+    let array = contiguous(value, what, dtype)?;
+    let array =
+        array.cast::<PyArrayDyn<T>>().map_err(|_| TurgorError::new_err(format!("{what}: need {dtype}, got {}", describe(value))))?;
+    if !accepts(array.shape()) {
+        return Err(TurgorError::new_err(format!("{what}: need {dtype} {needed}, got {}", describe(value))));
+    }
+    let values = array.try_readonly().map_err(|e| PyValueError::new_err(format!("{what}: {e}")))?.as_slice()?.to_vec();
+    Ok((values, array.shape().to_vec()))
+}
+
+/// As `read_shaped`, the values alone; an empty list serves as an empty array of any shape.
 fn read<T: numpy::Element + Copy>(
     value: &Bound<'_, PyAny>,
     what: &str,
@@ -32,15 +50,7 @@ fn read<T: numpy::Element + Copy>(
     needed: &str,
     accepts: impl Fn(&[usize]) -> bool,
 ) -> PyResult<Vec<T>> {
-    let array = contiguous(value, what, dtype)?;
-    let array =
-        array.cast::<PyArrayDyn<T>>().map_err(|_| TurgorError::new_err(format!("{what}: need {dtype}, got {}", describe(value))))?;
-    // numpy makes at least one dimension of a scalar; an empty list has the shape (0,).
-    let is_empty = array.len() == 0;
-    if !(accepts(array.shape()) || is_empty && array.shape() == [0]) {
-        return Err(TurgorError::new_err(format!("{what}: need {dtype} {needed}, got {}", describe(value))));
-    }
-    Ok(array.try_readonly().map_err(|e| PyValueError::new_err(format!("{what}: {e}")))?.as_slice()?.to_vec())
+    Ok(read_shaped(value, what, dtype, needed, |shape| accepts(shape) || shape == [0])?.0)
 }
 
 pub fn vectors(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<DVec3>> {
@@ -60,7 +70,12 @@ pub fn vector_rows(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<Vec<DVe
 
 pub fn matrices(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<DMat4>> {
     let flat: Vec<f64> = read(value, what, "float64", "(B, 4, 4)", |shape| shape.len() == 3 && shape[1..] == [4, 4])?;
-    Ok(flat.chunks_exact(16).map(|rows| DMat4::from_cols_slice(rows).transpose()).collect())
+    Ok(from_rows(&flat))
+}
+
+/// Matrices from their rows, one after the other.
+pub fn from_rows(flat: &[f64]) -> Vec<DMat4> {
+    flat.chunks_exact(16).map(|rows| DMat4::from_cols_slice(rows).transpose()).collect()
 }
 
 pub fn matrix(value: Option<&Bound<'_, PyAny>>, what: &str) -> PyResult<DMat4> {
@@ -74,6 +89,15 @@ pub fn matrix(value: Option<&Bound<'_, PyAny>>, what: &str) -> PyResult<DMat4> {
 
 pub fn numbers(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<f64>> {
     read(value, what, "float64", "(N,)", |shape| shape.len() == 1)
+}
+
+pub fn numbers_and_shape(
+    value: &Bound<'_, PyAny>,
+    what: &str,
+    needed: &str,
+    accepts: impl Fn(&[usize]) -> bool,
+) -> PyResult<(Vec<f64>, Vec<usize>)> {
+    read_shaped(value, what, "float64", needed, accepts)
 }
 
 pub fn vector(value: &Bound<'_, PyAny>, what: &str) -> PyResult<DVec3> {
@@ -113,6 +137,12 @@ fn shaped<T: numpy::Element>(py: Python<'_>, flat: Vec<T>) -> Bound<'_, PyArray2
     let rows = flat.len() / 3;
     // The length is a multiple of 3 by construction.
     Array2::from_shape_vec((rows, 3), flat).unwrap_or_else(|_| unreachable!("rows of three")).into_pyarray(py)
+}
+
+/// One row per item of `rows`, each of `width` numbers.
+pub fn from_table<'py, T: numpy::Element + Copy>(py: Python<'py>, rows: &[&[T]], width: usize) -> Bound<'py, PyArray2<T>> {
+    // Every row is of that width by construction.
+    Array2::from_shape_vec((rows.len(), width), rows.concat()).unwrap_or_else(|_| unreachable!("rows of one width")).into_pyarray(py)
 }
 
 pub fn from_numbers<'py, T: numpy::Element + Copy>(py: Python<'py>, numbers: &[T]) -> Bound<'py, PyArray1<T>> {

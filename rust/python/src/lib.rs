@@ -4,6 +4,8 @@ mod arrays;
 mod fleshing;
 mod joint;
 mod mesh;
+mod pose;
+mod report;
 mod skinning;
 mod spine;
 mod volume_skin;
@@ -32,11 +34,13 @@ mod _native {
     #[pymodule_export]
     use super::mesh::{Component, Mesh, correct};
     #[pymodule_export]
+    use super::report::{Frame, Measures, Report};
+    #[pymodule_export]
     use super::skinning::{Skeleton, Skinning};
     #[pymodule_export]
     use super::spine::{ClosestPoints, Spine, SpineFrames};
     #[pymodule_export]
-    use super::volume_skin::{Frame, Report, VolumeSkin};
+    use super::volume_skin::VolumeSkin;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -1,14 +1,16 @@
-//! `turgor.VolumeSkin`, `turgor.Frame` and `turgor.Report`.
+//! `turgor.VolumeSkin`.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use glam::{DMat4, DVec3};
-use numpy::{PyArray1, PyArray2};
+use glam::DVec3;
+use numpy::PyArray1;
 use pyo3::prelude::*;
-use turgor::{Options, Pose, Solver, Workspace};
+use turgor::{Options, Solver, Workspace};
 
 use crate::joint::{Joint, JointField, bone_index};
 use crate::mesh::Mesh;
+use crate::pose::{PoseData, PosesData};
+use crate::report::{Frame, Measures, Report};
 use crate::skinning::Skinning;
 use crate::{TurgorError, arrays, refused};
 
@@ -19,52 +21,6 @@ pub struct VolumeSkin {
     mesh: Arc<turgor::Mesh>,
     /// Buffers of calls that have ended, for the next ones.
     workspaces: Mutex<Vec<Workspace>>,
-}
-
-/// What a frame is made from, owned, so that the interpreter can be left.
-struct PoseData {
-    matrices: Vec<DMat4>,
-    object_from_armature: DMat4,
-    shape_values: Vec<f64>,
-    strengths: Option<Vec<f64>>,
-    target_scale: f64,
-    added_offsets: Option<Vec<[f32; 3]>>,
-    is_fleshed: Option<Vec<bool>>,
-}
-
-impl PoseData {
-    #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
-    fn read(
-        pose_matrices: &Bound<'_, PyAny>,
-        object_from_armature: Option<&Bound<'_, PyAny>>,
-        shape_values: Option<&Bound<'_, PyAny>>,
-        strengths: Option<&Bound<'_, PyAny>>,
-        target_scale: f64,
-        added_offsets: Option<&Bound<'_, PyAny>>,
-        fleshed: Option<Vec<bool>>,
-    ) -> PyResult<Self> {
-        Ok(Self {
-            matrices: arrays::matrices(pose_matrices, "pose_matrices")?,
-            object_from_armature: arrays::matrix(object_from_armature, "object_from_armature")?,
-            shape_values: shape_values.map_or(Ok(Vec::new()), |v| arrays::numbers(v, "shape_values"))?,
-            strengths: strengths.map(|s| arrays::numbers(s, "strengths")).transpose()?,
-            target_scale,
-            added_offsets: added_offsets.map(|o| arrays::float_rows(o, "added_offsets")).transpose()?,
-            is_fleshed: fleshed,
-        })
-    }
-
-    fn pose(&self) -> Pose<'_> {
-        Pose {
-            matrices: &self.matrices,
-            object_from_armature: self.object_from_armature,
-            shape_values: &self.shape_values,
-            target_scale: self.target_scale,
-            strengths: self.strengths.as_deref(),
-            added_offsets: self.added_offsets.as_deref(),
-            is_fleshed: self.is_fleshed.as_deref(),
-        }
-    }
 }
 
 fn solver(name: &str) -> PyResult<Solver> {
@@ -267,95 +223,23 @@ impl VolumeSkin {
         let inner = self.in_workspace(py, |workspace| self.inner.joint_field(bone, &pose.pose(), workspace))?;
         Ok(JointField { inner })
     }
-}
 
-/// Result of one frame, object space.
-#[pyclass(frozen, module = "turgor")]
-pub struct Frame {
-    positions: Vec<DVec3>,
-    skinned: Vec<DVec3>,
-    offsets: Vec<[f32; 3]>,
-    report: turgor::Report,
-}
-
-#[pymethods]
-impl Frame {
-    #[getter]
-    fn positions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        arrays::from_vectors(py, &self.positions)
-    }
-
-    #[getter]
-    fn skinned<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        arrays::from_vectors(py, &self.skinned)
-    }
-
-    #[getter]
-    fn offsets<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f32>> {
-        arrays::from_floats(py, &self.offsets)
-    }
-
-    #[getter]
-    fn report(&self) -> Report {
-        Report { inner: self.report.clone() }
-    }
-}
-
-/// Figures of one frame.
-#[pyclass(frozen, module = "turgor")]
-pub struct Report {
-    inner: turgor::Report,
-}
-
-#[pymethods]
-impl Report {
-    #[getter]
-    fn skinned_volumes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        arrays::from_numbers(py, &self.inner.skinned_volumes)
-    }
-
-    #[getter]
-    fn target_volumes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        arrays::from_numbers(py, &self.inner.target_volumes)
-    }
-
-    #[getter]
-    fn corrected_volumes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        arrays::from_numbers(py, &self.inner.corrected_volumes)
-    }
-
-    #[getter]
-    fn joint_losses<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        arrays::from_numbers(py, &self.inner.joint_losses)
-    }
-
-    #[getter]
-    fn joint_regained<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        arrays::from_numbers(py, &self.inner.joint_regained)
-    }
-
-    #[getter]
-    fn joint_displacements<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        arrays::from_numbers(py, &self.inner.joint_displacements)
-    }
-
-    #[getter]
-    fn joint_is_capped<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        arrays::from_numbers(py, &self.inner.joint_is_capped)
-    }
-
-    #[getter]
-    fn seam_gap(&self) -> f64 {
-        self.inner.seam_gap
-    }
-
-    #[getter]
-    fn max_displacement(&self) -> f64 {
-        self.inner.max_displacement
-    }
-
-    #[getter]
-    fn relative_error(&self) -> f64 {
-        self.inner.relative_error()
+    #[pyo3(
+        signature = (pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=None),
+        text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0)"
+    )]
+    fn measure(
+        &self,
+        py: Python<'_>,
+        pose_matrices: &Bound<'_, PyAny>,
+        object_from_armature: Option<&Bound<'_, PyAny>>,
+        shape_values: Option<&Bound<'_, PyAny>>,
+        strengths: Option<&Bound<'_, PyAny>>,
+        target_scale: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Measures> {
+        let poses = PosesData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale)?;
+        let reports = py.detach(|| self.inner.measure(&poses.poses())).map_err(refused)?;
+        let component_count = self.mesh.topology().components.len();
+        Ok(Measures { reports, component_count, joint_count: self.inner.joint_bones().len() })
     }
 }

@@ -293,6 +293,20 @@ class VolumeSkin:
 
         Raises TurgorError also for a bone without a joint, one not in `joint_bones`. Releases the GIL.
         """
+    def measure(
+        self,
+        pose_matrices: ArrayLike,
+        *,
+        object_from_armature: ArrayLike | None = None,
+        shape_values: ArrayLike | None = None,
+        strengths: ArrayLike | None = None,
+        target_scale: float | ArrayLike = 1.0,
+    ) -> Measures:
+        """Figures of many poses, many at once: the same bits as `deform` gives one by one.
+
+        pose_matrices: (F, B, 4, 4). The others as in `deform`, the same for all frames or with a first axis of F.
+        Raises TurgorError as `deform`, for the first frame that is refused. Releases the GIL.
+        """
 
 @final
 class Frame:
@@ -344,6 +358,32 @@ class Report:
     @property
     def relative_error(self) -> float:
         """Largest |corrected - target| / |target| over sound components."""
+
+@final
+class Measures:
+    """Figures of F frames, as in `Report`: K components, J joints in the order of `joint_bones`."""
+
+    @property
+    def skinned_volumes(self) -> NDArray[np.float64]:
+        """(F, K)"""
+    @property
+    def target_volumes(self) -> NDArray[np.float64]:
+        """(F, K)"""
+    @property
+    def corrected_volumes(self) -> NDArray[np.float64]:
+        """(F, K)"""
+    @property
+    def joint_losses(self) -> NDArray[np.float64]:
+        """(F, J) positive = lost."""
+    @property
+    def joint_regained(self) -> NDArray[np.float64]:
+        """(F, J)"""
+    @property
+    def joint_is_capped(self) -> NDArray[np.bool_]:
+        """(F, J)"""
+    @property
+    def max_displacements(self) -> NDArray[np.float64]:
+        """(F,) largest |corrected - skinned|, object space."""
 
 def correct(
     mesh: Mesh,
