@@ -101,6 +101,13 @@ def write_tick(carrier: bpy.types.Object, sources: Iterable[Source]) -> None:
         _add_variable(driver, source)
 
 
+def write_reader(ob: bpy.types.Object, path: str, sources: Iterable[Source]) -> None:
+    """Let `sources` be evaluated before what `path`, a setting of the object, is about."""
+    driver = _new_driver(ob, path)
+    for source in sources:
+        _add_variable(driver, source)
+
+
 def revalidate_tick(carrier: bpy.types.Object) -> None:
     """A driver that ran without the extension stays marked as broken until its type is set again."""
     curve = tick_curve(carrier)
@@ -121,6 +128,17 @@ def _new_driver(owner: bpy.types.ID, path: str) -> bpy.types.Driver:
         curve.modifiers.remove(curve.modifiers[0])
     curve.driver.type = "SUM"
     return curve.driver
+
+
+def character_sources(target: bpy.types.Object, rig: bpy.types.Object) -> list[Source]:
+    """Where both stand, and all settings and shape keys of the character."""
+    return [
+        Source("TRANSFORMS", "OBJECT", target, ""),
+        Source("TRANSFORMS", "OBJECT", rig, ""),
+        # All settings of an object are evaluated as one.
+        Source("SINGLE_PROP", "OBJECT", target, "turgor.target_volume"),
+        *shape_key_sources(target.data.shape_keys),
+    ]
 
 
 def _own_sources(carrier: bpy.types.Object) -> list[Source]:

@@ -25,12 +25,17 @@ class FrameError(ValueError):
 
 def read_frame(target: bpy.types.Object) -> FrameInputs:
     """`target`: the evaluated character."""
+    rig = rig_of(target)
+    return FrameInputs(read_pose(rig), placement.object_from_armature(target, rig), shape_keys.read_values(target))
+
+
+def rig_of(target: bpy.types.Object) -> bpy.types.Object:
+    """The armature's object, evaluated if the character is."""
     armature = stack.armature_modifier(target)
     if armature is None or armature.object is None:
         found = obstacles.obstacle(target)
         raise FrameError("No armature" if found is None else found.text)
-    rig = armature.object
-    return FrameInputs(read_pose(rig), placement.object_from_armature(target, rig), shape_keys.read_values(target))
+    return armature.object
 
 
 def read_pose(rig: bpy.types.Object) -> NDArray[np.float32]:
