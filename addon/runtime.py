@@ -36,6 +36,20 @@ class Figures:
 
 
 @dataclass(frozen=True)
+class Motion:
+    """A character over many poses, as `Figures` of each: F poses, J joints. Arrays of numpy."""
+
+    # (F,) of the scene, rising; None: poses of the test range of motion, which has no time.
+    frames: Any
+    corrected_deviations: Any  # (F,) percent
+    skinned_deviations: Any  # (F,) percent
+    joint_names: tuple[str, ...]
+    joint_losses: Any  # (F, J) percent of the rest volume
+    # Largest loss of each joint in the unit of `TurgorJoint.fold_loss`.
+    fold_losses: dict[str, float]
+
+
+@dataclass(frozen=True)
 class SpineFigures:
     """One frame of a fleshed body. Deviations in percent of the rest volume; None where nothing encloses one."""
 
@@ -98,6 +112,8 @@ class Character:
     # Works out what is off in the last frame, as `measure`.
     inspect: Callable[[], tuple[Finding, ...]] | None = None
     timing: Timing | None = None
+    # What was measured over the frames; None: not in this session.
+    motion: Motion | None = None
     # Works out what an overlay draws, `logic.sketch.Sketch`.
     sketch: Callable[[], Any] | None = None
     # Works out the error of small volumes, `logic.sketch.LocalError`.

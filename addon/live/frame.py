@@ -51,12 +51,7 @@ def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, a
         options["shape_values"] = inputs.shape_values
     if bound.fleshed is not None and (added := spine_frame.added_offsets(target, bound.body.vertex_count)) is not None:
         options |= {"added_offsets": added, "fleshed": bound.fleshed}
-    engine = bound.body.with_settings(
-        _key(saved, bound),
-        lambda: _joints(target, saved, bound),
-        saved.solver.lower(),
-        saved.keep_bone_scale,
-    )
+    engine = engine_of(target, saved, bound)
     read = perf_counter()
     report = engine.deform_into_address(address, bound.body.vertex_count, pose_matrices, **options)
     done = perf_counter()
@@ -66,6 +61,16 @@ def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, a
         uid = target.original.session_uid
         known.inspect = cache(lambda: _inspect(known, uid, measure(), bound, strengths))
         known.timing = runtime.Timing(1e3 * (read - started), 1e3 * (done - read), 0.0)
+
+
+def engine_of(target: bpy.types.Object, saved: settings.BodySettings, bound: Bound) -> turgor.VolumeSkin:
+    """The engine under these settings of the character; the same object while they are equal."""
+    return bound.body.with_settings(
+        _key(saved, bound),
+        lambda: _joints(target, saved, bound),
+        saved.solver.lower(),
+        saved.keep_bone_scale,
+    )
 
 
 def _key(saved: settings.BodySettings, bound: Bound) -> object:

@@ -34,11 +34,10 @@ def add(target: bpy.types.Object) -> None:
 
 
 def choose_joint(target: bpy.types.Object) -> None:
-    """Make the joint that loses most at this frame the one whose settings are shown."""
-    figures = runtime.character(target.session_uid).figures
-    if figures is not None and figures.joints:
-        worst = max(figures.joints, key=lambda name: abs(figures.joints[name].lost))
-        target.turgor.active_joint = target.turgor.joints.find(worst)
+    """Make the joint that lost most when it was measured the one whose settings are shown."""
+    joints = target.turgor.joints
+    if len(joints):
+        target.turgor.active_joint = max(range(len(joints)), key=lambda place: joints[place].peak_loss)
 
 
 def remove(target: bpy.types.Object) -> None:

@@ -41,3 +41,48 @@ def frame_figures(
 
 def _deviation(volume: float, target: float) -> float:
     return 100.0 * float(volume - target) / float(target) if target > 0.0 else 0.0
+
+
+class MotionFigures(NamedTuple):
+    """As `FrameFigures`, of F frames."""
+
+    corrected_deviations: NDArray[np.float64]  # (F,)
+    skinned_deviations: NDArray[np.float64]  # (F,)
+    lost: NDArray[np.float64]  # (F, J)
+
+
+def motion_figures(
+    measures: turgor.Measures | turgor.Report,
+    rest_volume: float,
+    strengths: NDArray[np.float64],
+    target_scales: NDArray[np.float64],
+) -> MotionFigures:
+    """Of the engine's measures, or of a report as one frame. target_scales: (F,)."""
+    kept = (np.atleast_2d(measures.joint_losses) * (1.0 - strengths)).sum(axis=1) * target_scales
+    target = _sizes(measures.target_volumes) + kept
+    percent = 100.0 / rest_volume if rest_volume > 0.0 else 0.0
+    return MotionFigures(
+        _deviations(_sizes(measures.corrected_volumes), target),
+        _deviations(_sizes(measures.skinned_volumes), target),
+        np.atleast_2d(measures.joint_losses) * percent,
+    )
+
+
+def _sizes(volumes: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.abs(np.atleast_2d(volumes)).sum(axis=1)
+
+
+def _deviations(volumes: NDArray[np.float64], targets: NDArray[np.float64]) -> NDArray[np.float64]:
+    return 100.0 * np.divide(volumes - targets, targets, out=np.zeros_like(targets), where=targets > 0.0)
+
+
+# The engine's measure of folding: losses are compared with this part of the joint's length cubed (MATH 4).
+VICINITY_VOLUME = 0.1
+
+
+def fold_losses(
+    losses: NDArray[np.float64], lengths: NDArray[np.float64], object_from_armature: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """(F, J) as parts of what the engine's `folded_loss_relative` is a part of. lengths: (J,), armature space."""
+    sizes = np.abs(np.linalg.det(np.reshape(object_from_armature, (-1, 4, 4))[:, :3, :3]))
+    return np.abs(np.atleast_2d(losses)) / (VICINITY_VOLUME * sizes[:, None] * lengths**3)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from .. import runtime
-from ..live import housekeeping, push, route
+from ..live import housekeeping, measuring, push, route
 from ..scene import obstacles, stack
 
 
@@ -50,8 +50,20 @@ class OBJECT_OT_turgor_volume_add(bpy.types.Operator):
             if runtime.session.route == "PUSH":
                 push.write_all(depsgraph)
         for ob in added:
-            housekeeping.choose_joint(ob)
+            _look_over(context.scene, ob)
         return {"FINISHED"} if added else {"CANCELLED"}
+
+
+def _look_over(scene: bpy.types.Scene, ob: bpy.types.Object) -> None:
+    """Find the joints that matter, and show the settings of the one that matters most."""
+    if runtime.character(ob.session_uid).body is None:
+        return
+    try:
+        measuring.measure(ob, measuring.quick_frames(ob, measuring.scene_frames(scene)))
+    except ValueError as error:
+        # A frame elsewhere is broken; the character itself is fine.
+        runtime.log.warning("%s: not measured: %s", ob.name, error)
+    housekeeping.choose_joint(ob)
 
 
 def _refusal(ob: bpy.types.Object) -> str | None:

@@ -1,0 +1,42 @@
+"""Measure how much volume the joints of a character lose over the scene's frames."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..live import measuring
+from ..scene import stack
+from .character import character_of
+
+
+class OBJECT_OT_turgor_volume_measure(bpy.types.Operator):
+    bl_idname = "object.turgor_volume_measure"
+    bl_label = "Measure Volume over Frames"
+    bl_description = (
+        "Find the volume that skinning takes at each joint over the scene's frames, or its preview range;"
+        " rigs without animation are tried out by turning each joint"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        ob = character_of(context)
+        if ob is None or stack.volume_modifier(ob) is None:
+            cls.poll_message_set("The active object has no Turgor Volume")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        frames = measuring.scene_frames(context.scene)
+        window_manager = context.window_manager
+        window_manager.progress_begin(0, max(len(frames), 1))
+        try:
+            motion = measuring.measure(character_of(context), frames, tell=window_manager.progress_update)
+        except ValueError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        finally:
+            window_manager.progress_end()
+        if motion.frames is None:
+            self.report({"INFO"}, "Nothing moves in these frames: each joint was turned in turn instead")
+        return {"FINISHED"}
