@@ -83,6 +83,10 @@ VICINITY_VOLUME = 0.1
 def fold_losses(
     losses: NDArray[np.float64], lengths: NDArray[np.float64], object_from_armature: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """(F, J) as parts of what the engine's `folded_loss_relative` is a part of. lengths: (J,), armature space."""
+    """(F, J) as parts of what the engine's `folded_loss_relative` is a part of; 0 where a joint has no extent.
+
+    losses: object space. lengths: (J,), armature space.
+    """
     sizes = np.abs(np.linalg.det(np.reshape(object_from_armature, (-1, 4, 4))[:, :3, :3]))
-    return np.abs(np.atleast_2d(losses)) / (VICINITY_VOLUME * sizes[:, None] * lengths**3)
+    found, vicinities = np.abs(np.atleast_2d(losses)), VICINITY_VOLUME * sizes[:, None] * lengths**3
+    return np.divide(found, vicinities, out=np.zeros_like(found), where=vicinities > 0.0)
