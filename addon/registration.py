@@ -8,6 +8,7 @@ from . import handlers, properties, translations
 from .operators.add import OBJECT_OT_turgor_volume_add
 from .operators.add import draw as draw_add
 from .operators.fix import OBJECT_OT_turgor_volume_fix
+from .operators.joints import CLASSES as JOINT_OPERATORS
 from .operators.measure import OBJECT_OT_turgor_volume_measure
 from .operators.rebind import OBJECT_OT_turgor_volume_rebind
 from .operators.remove import OBJECT_OT_turgor_volume_remove
@@ -27,6 +28,7 @@ CLASSES = (
     OBJECT_OT_turgor_spine_rebind,
     OBJECT_OT_turgor_volume_fix,
     OBJECT_OT_turgor_volume_measure,
+    *JOINT_OPERATORS,
     TURGOR_UL_joints,
     TURGOR_PT_volume,
     TURGOR_PT_settings,

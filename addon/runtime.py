@@ -114,6 +114,8 @@ class Character:
     timing: Timing | None = None
     # What was measured over the frames; None: not in this session.
     motion: Motion | None = None
+    # Name of the armature's active bone when it was last looked at; None: not yet.
+    active_bone: str | None = None
     # Works out what an overlay draws, `logic.sketch.Sketch`.
     sketch: Callable[[], Any] | None = None
     # Works out the error of small volumes, `logic.sketch.LocalError`.

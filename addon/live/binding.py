@@ -17,6 +17,7 @@ from ..logic import body, fingerprint, weights
 from ..logic.joints import Tables
 from ..messages import message
 from ..scene import (
+    bone_choice,
     carrier,
     drivers,
     obstacles,
@@ -62,6 +63,8 @@ def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
     else:
         found += findings.of_shells(target, bound.body.shells) + findings.of_weights(target, bound.unweighted_count)
     known.body = bound
+    if known.active_bone is None and bound is not None:
+        known.active_bone = bone_choice.active_bone_name(stack.armature_modifier(target).object)
     difference = obstacles.render_difference(target, stack.armature_modifier(target))
     difference = difference or spine_stack.render_difference(target)
     if difference is not None:

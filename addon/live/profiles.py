@@ -28,3 +28,13 @@ def tables(target: bpy.types.Object) -> dict[int, joints.Tables]:
 def has_custom(target: bpy.types.Object) -> bool:
     """Whether any joint uses curves of its own."""
     return any(joint.preset == "CUSTOM" for joint in target.turgor.joints)
+
+
+def copy(source: bpy.types.PropertyGroup, profiles: bpy.types.PropertyGroup) -> None:
+    """Make `profiles` what `source` is, perhaps of another character: preset, directions and curves."""
+    profiles.preset = source.preset
+    profiles.curve_source = source.curve_source
+    profiles.use_auto_shares = source.use_auto_shares
+    profiles.shares = source.shares
+    if profiles.preset == "CUSTOM":
+        curves.copy(source, profiles)

@@ -6,7 +6,7 @@ import bpy
 
 from .. import runtime
 from ..scene import carrier, drivers, node_group, spine_stack, stack
-from . import binding, housekeeping, profiles, route, spine_binding, spine_housekeeping
+from . import active_bones, binding, housekeeping, profiles, route, spine_binding, spine_housekeeping
 
 # Modes in which the mesh is being changed; it is read when the artist leaves them.
 EDITING_MODES = frozenset({"EDIT", "SCULPT", "WEIGHT_PAINT", "VERTEX_PAINT", "TEXTURE_PAINT"})
@@ -59,6 +59,8 @@ def follow(depsgraph: bpy.types.Depsgraph) -> None:
             _follow_body(target, is_edited=is_edited)
         if stack.volume_modifier(target) is not None:
             _follow_character(target, is_edited=is_edited)
+    if any(isinstance(item, bpy.types.Armature) for item in updated):
+        active_bones.follow()
     # Dragging a curve's point comes without any name.
     if not updated or any(isinstance(item, bpy.types.NodeTree) for item in updated):
         for target in housekeeping.characters():

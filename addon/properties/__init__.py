@@ -9,6 +9,7 @@ from .display import TurgorDisplay
 from .joint import TurgorJoint
 from .preferences import TurgorPreferences
 from .profiles import TurgorProfiles
+from .several import TurgorSeveral
 from .spine import TurgorSpine
 from .tagging import OVERRIDABLE
 
@@ -17,6 +18,7 @@ CLASSES = (
     TurgorCarrier,
     TurgorProfiles,
     TurgorJoint,
+    TurgorSeveral,
     TurgorDisplay,
     TurgorObject,
     TurgorSpine,

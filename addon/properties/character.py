@@ -15,6 +15,7 @@ from bpy.props import (
 from .carrier import TurgorCarrier
 from .display import TurgorDisplay
 from .joint import TurgorJoint
+from .several import TurgorSeveral
 from .tagging import OVERRIDABLE, tag
 
 # Version of the saved settings; `migrations` brings older files up to it.
@@ -32,6 +33,7 @@ class TurgorObject(bpy.types.PropertyGroup):
     version: IntProperty(override=OVERRIDABLE, options={"HIDDEN"})
     joints: CollectionProperty(type=TurgorJoint, override=OVERRIDABLE | {"USE_INSERTION"})
     active_joint: IntProperty(name="Active Joint", options={"HIDDEN"})
+    several: PointerProperty(type=TurgorSeveral)
     solver: EnumProperty(
         name="Solver",
         description="How the joints share the work",

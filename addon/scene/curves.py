@@ -49,6 +49,28 @@ def write(joint: bpy.types.PropertyGroup, tree: bpy.types.NodeTree, tables: Tabl
         _fit(node.mapping, table)
 
 
+def copy(source: bpy.types.PropertyGroup, profiles: bpy.types.PropertyGroup) -> None:
+    """Give `profiles` the curves of `source`, point by point; nothing when that has none."""
+    given = source.id_data.turgor.curves
+    if not has_curves(source, given):
+        return
+    tree = ensure_tree(profiles.id_data)
+    for name in _NAMES:
+        node = tree.nodes.get(getattr(profiles, name)) or tree.nodes.new("ShaderNodeFloatCurve")
+        setattr(profiles, name, node.name)
+        _copy_mapping(given.nodes[getattr(source, name)].mapping, node.mapping)
+
+
+def _copy_mapping(given: bpy.types.CurveMapping, mapping: bpy.types.CurveMapping) -> None:
+    for name in ("extend", "clip_min_x", "clip_min_y", "clip_max_x", "clip_max_y", "use_clip"):
+        setattr(mapping, name, getattr(given, name))
+    points = given.curves[0].points
+    _write_points(mapping.curves[0], [tuple(point.location) for point in points])
+    for point, own in zip(points, mapping.curves[0].points, strict=True):
+        own.handle_type = point.handle_type
+    mapping.update()
+
+
 def make_single_user(target: bpy.types.Object, others: list[bpy.types.Object]) -> None:
     """After Shift-D: a tree of its own for the copy."""
     tree = target.turgor.curves
