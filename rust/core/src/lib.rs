@@ -14,7 +14,7 @@ mod fields;
 mod frame;
 mod joint;
 mod lanes;
-mod measure;
+mod many_poses;
 mod mesh;
 mod motions;
 mod patches;

@@ -1,8 +1,8 @@
 //! numpy arrays in and out, with messages of our own: the default ones name neither shape nor dtype.
 
 use glam::{DMat4, DVec3};
-use numpy::ndarray::{Array1, Array2};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::ndarray::{Array1, Array2, Array3};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -143,6 +143,13 @@ fn shaped<T: numpy::Element>(py: Python<'_>, flat: Vec<T>) -> Bound<'_, PyArray2
 pub fn from_table<'py, T: numpy::Element + Copy>(py: Python<'py>, rows: &[&[T]], width: usize) -> Bound<'py, PyArray2<T>> {
     // Every row is of that width by construction.
     Array2::from_shape_vec((rows.len(), width), rows.concat()).unwrap_or_else(|_| unreachable!("rows of one width")).into_pyarray(py)
+}
+
+/// (F, N, 3), without a copy.
+pub fn from_frames(py: Python<'_>, rows: Vec<[f32; 3]>, frames: usize, vertices: usize) -> Bound<'_, PyArray3<f32>> {
+    let shape = (frames, vertices, 3);
+    // There are so many by construction.
+    Array3::from_shape_vec(shape, rows.into_flattened()).unwrap_or_else(|_| unreachable!("frames of one length")).into_pyarray(py)
 }
 
 pub fn from_numbers<'py, T: numpy::Element + Copy>(py: Python<'py>, numbers: &[T]) -> Bound<'py, PyArray1<T>> {

@@ -87,20 +87,12 @@ impl PosesData {
             })?;
             Ok::<_, PyErr>(PerFrame::new(values, (shape.len() == 2).then_some(frames)))
         };
-        let scales = |value: &Bound<'_, PyAny>| {
-            if let Ok(scale) = value.extract::<f64>() {
-                return Ok(PerFrame::new(vec![scale], None));
-            }
-            let needed = format!("one number or ({frames},)");
-            let (values, _) = arrays::numbers_and_shape(value, "target_scale", &needed, |shape| shape == [frames])?;
-            Ok::<_, PyErr>(PerFrame::new(values, Some(frames)))
-        };
         Ok(Self {
             matrices: PerFrame::new(arrays::from_rows(&matrices), Some(frames)),
             objects_from_armature: objects.unwrap_or_else(|| Ok(PerFrame::new(vec![DMat4::IDENTITY], None)))?,
             shape_values: shape_values.map_or_else(|| Ok(PerFrame::new(Vec::new(), None)), |values| rows(values, "shape_values", "K"))?,
             strengths: strengths.map(|values| rows(values, "strengths", "B")).transpose()?,
-            target_scales: target_scale.map_or_else(|| Ok(PerFrame::new(vec![1.0], None)), scales)?,
+            target_scales: PerFrame::numbers(target_scale, "target_scale", frames)?,
             frame_count: frames,
         })
     }
@@ -119,7 +111,7 @@ impl PosesData {
 }
 
 /// Values of each of some frames, or the same for all.
-struct PerFrame<T> {
+pub struct PerFrame<T> {
     values: Vec<T>,
     /// How many there are to a frame; `None`: all of them to every frame.
     stride: Option<usize>,
@@ -131,10 +123,24 @@ impl<T> PerFrame<T> {
         Self { values, stride }
     }
 
-    fn of(&self, frame: usize) -> &[T] {
+    pub fn of(&self, frame: usize) -> &[T] {
         match self.stride {
             Some(stride) => &self.values[frame * stride..(frame + 1) * stride],
             None => &self.values,
         }
+    }
+}
+
+impl PerFrame<f64> {
+    /// A number for each of so many frames, or one for all; 1 when none is given.
+    pub fn numbers(value: Option<&Bound<'_, PyAny>>, what: &str, frames: usize) -> PyResult<Self> {
+        let Some(value) = value else { return Ok(Self::new(vec![1.0], None)) };
+        // An array of one number would pass for a number.
+        if value.len().is_err() {
+            return Ok(Self::new(vec![value.extract::<f64>()?], None));
+        }
+        let needed = format!("one number or ({frames},)");
+        let (values, _) = arrays::numbers_and_shape(value, what, &needed, |shape| shape == [frames])?;
+        Ok(Self::new(values, Some(frames)))
     }
 }

@@ -3,13 +3,13 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
-use numpy::PyArray1;
+use numpy::{PyArray1, PyArray3};
 use pyo3::prelude::*;
 use turgor::{Options, Solver, Workspace};
 
 use crate::joint::{Joint, JointField, bone_index};
 use crate::mesh::Mesh;
-use crate::pose::{PoseData, PosesData};
+use crate::pose::{PerFrame, PoseData, PosesData};
 use crate::report::{Frame, Measures, Report};
 use crate::skinning::Skinning;
 use crate::{TurgorError, arrays, refused};
@@ -241,5 +241,29 @@ impl VolumeSkin {
         let reports = py.detach(|| self.inner.measure(&poses.poses())).map_err(refused)?;
         let component_count = self.mesh.topology().components.len();
         Ok(Measures { reports, component_count, joint_count: self.inner.joint_bones().len() })
+    }
+    #[pyo3(
+        signature = (pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=None, effect=None),
+        text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, effect=1.0)"
+    )]
+    #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
+    fn deform_many<'py>(
+        &self,
+        py: Python<'py>,
+        pose_matrices: &Bound<'_, PyAny>,
+        object_from_armature: Option<&Bound<'_, PyAny>>,
+        shape_values: Option<&Bound<'_, PyAny>>,
+        strengths: Option<&Bound<'_, PyAny>>,
+        target_scale: Option<&Bound<'_, PyAny>>,
+        effect: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray3<f32>>> {
+        let data = PosesData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale)?;
+        let poses = data.poses();
+        let per_frame = PerFrame::numbers(effect, "effect", poses.len())?;
+        let effects: Vec<f64> = (0..poses.len()).map(|frame| per_frame.of(frame)[0]).collect();
+        let vertices = self.mesh.rest().len();
+        let mut positions = vec![[0.0; 3]; poses.len() * vertices];
+        py.detach(|| self.inner.deform_many(&poses, &effects, &mut positions)).map_err(refused)?;
+        Ok(arrays::from_frames(py, positions, poses.len(), vertices))
     }
 }

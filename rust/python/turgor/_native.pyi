@@ -307,6 +307,21 @@ class VolumeSkin:
         pose_matrices: (F, B, 4, 4). The others as in `deform`, the same for all frames or with a first axis of F.
         Raises TurgorError as `deform`, for the first frame that is refused. Releases the GIL.
         """
+    def deform_many(
+        self,
+        pose_matrices: ArrayLike,
+        *,
+        object_from_armature: ArrayLike | None = None,
+        shape_values: ArrayLike | None = None,
+        strengths: ArrayLike | None = None,
+        target_scale: float | ArrayLike = 1.0,
+        effect: float | ArrayLike = 1.0,
+    ) -> NDArray[np.float32]:
+        """(F, N, 3) positions of many poses, object space, many at once: the same bits as of one by one.
+
+        effect: part of the way from skinned to corrected, one number or (F,). The others as in `measure`: hand in so
+        many frames at a time as memory allows.
+        """
 
 @final
 class Frame:
