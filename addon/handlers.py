@@ -8,14 +8,15 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import migrations, runtime
-from .live import housekeeping, pull, push, route, start
+from .live import housekeeping, pull, push, route, shown, start
 from .properties import carrier
-from .scene import node_group
+from .scene import node_group, stack
 
 
 @persistent
 def load_post(*_arguments: Any) -> None:
     runtime.forget_file()
+    shown.forget()
     migrations.migrate(housekeeping.characters())
     start.start()
 
@@ -89,6 +90,8 @@ def _start_once() -> None:
 def _finish(depsgraph: bpy.types.Depsgraph) -> None:
     if not runtime.session.is_rendering:
         start.bind_waiting()
+        if runtime.session.route == "PULL":
+            shown.observe(depsgraph)
         _redraw_panels()
     if runtime.session.route == "PUSH":
         push.write_all(depsgraph)
@@ -126,6 +129,8 @@ HANDLERS = (
 
 def register() -> None:
     carrier.TurgorCarrier.on_tick = staticmethod(pull.on_tick)
+    runtime.session.look = shown.look
+    runtime.session.find_modifier = stack.volume_modifier
     for event, handler in HANDLERS:
         getattr(bpy.app.handlers, event).append(handler)
     if not bpy.app.background:
@@ -138,4 +143,5 @@ def unregister() -> None:
     for event, handler in reversed(HANDLERS):
         getattr(bpy.app.handlers, event).remove(handler)
     carrier.TurgorCarrier.on_tick = staticmethod(carrier.ignore_tick)
+    shown.forget()
     runtime.session = runtime.Session()

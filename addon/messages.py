@@ -40,3 +40,9 @@ def translated(text: str, translate: Callable[[str], str]) -> str:
         for name, value in text.values.items()
     }
     return translate(text.template).format(**values)
+
+
+def signed_percent(value: float, digits: int) -> str:
+    """With a sign, but for what rounds to zero."""
+    rounded = round(value, digits)
+    return f"{rounded:+.{digits}f} %" if rounded else f"{0.0:.{digits}f} %"

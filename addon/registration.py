@@ -15,6 +15,8 @@ from .operators.remove import OBJECT_OT_turgor_volume_remove
 from .operators.spine import OBJECT_OT_turgor_spine_add, OBJECT_OT_turgor_spine_rebind, OBJECT_OT_turgor_spine_remove
 from .operators.spine import draw as draw_add_spine
 from .overlays import spine as spine_overlay
+from .overlays import volume as volume_overlay
+from .panels.display import TURGOR_PT_display, TURGOR_PT_performance
 from .panels.joints import TURGOR_UL_joints
 from .panels.spine import TURGOR_PT_spine, TURGOR_PT_spine_settings
 from .panels.volume import TURGOR_PT_settings, TURGOR_PT_volume
@@ -32,6 +34,8 @@ CLASSES = (
     TURGOR_UL_joints,
     TURGOR_PT_volume,
     TURGOR_PT_settings,
+    TURGOR_PT_display,
+    TURGOR_PT_performance,
     TURGOR_PT_spine,
     TURGOR_PT_spine_settings,
 )
@@ -46,9 +50,11 @@ def register() -> None:
     bpy.types.OBJECT_MT_modifier_add_deform.append(draw_add_spine)
     handlers.register()
     spine_overlay.register()
+    volume_overlay.register()
 
 
 def unregister() -> None:
+    volume_overlay.unregister()
     spine_overlay.unregister()
     handlers.unregister()
     bpy.types.OBJECT_MT_modifier_add_deform.remove(draw_add_spine)

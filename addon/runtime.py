@@ -162,6 +162,10 @@ class Session:
     is_started: bool = False
     is_rendering: bool = False
     is_quiet: bool = False
+    # What a viewport shows of an object with Turgor Volume, `logic.shown.Shown`; for draw callbacks.
+    look: Callable[[Any], Any] | None = None
+    # Its modifier Turgor Volume, whatever its name is now, or None.
+    find_modifier: Callable[[Any], Any] = lambda ob: None
 
 
 session = Session()

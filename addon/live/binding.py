@@ -52,6 +52,7 @@ def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
     accept_topology: the artist agrees that the mesh has other vertices or faces than when it was bound.
     """
     known = runtime.character(target.session_uid)
+    known.name = target.name
     known.signature = stack.signature(target)
     found: list[runtime.Finding] = []
     try:
@@ -196,6 +197,7 @@ def _engine(
         read.face_corners,
         bones.parents,
         bones.rest_matrices,
+        bones.tails,
         bone_weights,
         mask,
         armature.use_deform_preserve_volume,

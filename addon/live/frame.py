@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from time import perf_counter
+from typing import Any, NamedTuple
 
 import bpy
 import numpy as np
@@ -39,8 +41,17 @@ def _correct_bound(target: bpy.types.Object, known: runtime.Character, address: 
     return True
 
 
-def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, address: int) -> None:
-    started = perf_counter()
+class Request(NamedTuple):
+    """What the engine is asked for one frame."""
+
+    engine: turgor.VolumeSkin
+    pose_matrices: NDArray[np.float32]  # (B, 4, 4)
+    options: dict[str, Any]  # more arguments of `VolumeSkin.deform`
+    strengths: NDArray[np.float64]  # (J,) of the joints
+
+
+def read(target: bpy.types.Object, bound: Bound) -> Request:
+    """Of the evaluated `target`. Raises what says why it cannot be read."""
     inputs = frame.read_frame(target)
     saved = settings.read_settings(target)
     if len(inputs.pose_matrices) <= bound.bones.pose_indices.max():
@@ -52,15 +63,47 @@ def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, a
     if bound.fleshed is not None and (added := spine_frame.added_offsets(target, bound.body.vertex_count)) is not None:
         options |= {"added_offsets": added, "fleshed": bound.fleshed}
     engine = engine_of(target, saved, bound)
-    read = perf_counter()
-    report = engine.deform_into_address(address, bound.body.vertex_count, pose_matrices, **options)
+    return Request(engine, pose_matrices, options, bound.body.joint_strengths)
+
+
+def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, address: int) -> None:
+    started = perf_counter()
+    asked = read(target, bound)
+    ready = perf_counter()
+    report = asked.engine.deform_into_address(address, bound.body.vertex_count, asked.pose_matrices, **asked.options)
     done = perf_counter()
     if not runtime.session.is_rendering:
-        strengths = bound.body.joint_strengths
-        known.measure = measure = cache(lambda: _figures(report, bound, strengths, saved.target_volume))
-        uid = target.original.session_uid
-        known.inspect = cache(lambda: _inspect(known, uid, measure(), bound, strengths))
-        known.timing = runtime.Timing(1e3 * (read - started), 1e3 * (done - read), 0.0)
+        _remember(target, known, bound, asked, lambda: report)
+        known.timing = runtime.Timing(1e3 * (ready - started), 1e3 * (done - ready), 0.0)
+
+
+def observe(target: bpy.types.Object) -> None:
+    """Figures of the evaluated `target` at a frame at which nothing asks for offsets: our modifier is off."""
+    known = runtime.session.characters.get(target.original.session_uid)
+    bound: Bound | None = None if known is None else known.body
+    if bound is None:
+        return
+    try:
+        asked = read(target, bound)
+    except Exception:  # said in the panel when the modifier is on
+        known.measure = known.inspect = None
+        return
+    _remember(target, known, bound, asked, lambda: asked.engine.deform(asked.pose_matrices, **asked.options).report)
+    known.timing = None
+
+
+def _remember(
+    target: bpy.types.Object,
+    known: runtime.Character,
+    bound: Bound,
+    asked: Request,
+    report: Callable[[], turgor.Report],
+) -> None:
+    known.name = target.name
+    target_scale = asked.options["target_scale"]
+    known.measure = measure = cache(lambda: _figures(report(), bound, asked.strengths, target_scale))
+    uid = target.original.session_uid
+    known.inspect = cache(lambda: _inspect(known, uid, measure(), bound, asked.strengths))
 
 
 def engine_of(target: bpy.types.Object, saved: settings.BodySettings, bound: Bound) -> turgor.VolumeSkin:

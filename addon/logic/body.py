@@ -10,6 +10,7 @@ import turgor
 from numpy.typing import NDArray
 
 from . import shells
+from .shown import Anatomy, Flesh
 from .weights import BoneWeights
 
 Solver = Literal["simultaneous", "sequential"]
@@ -21,6 +22,7 @@ def bind(
     face_corners: NDArray[np.int32],
     parents: NDArray[np.int32],
     rest_matrices: NDArray[np.float64],
+    tails: NDArray[np.float64],
     weights: BoneWeights,
     vertex_mask: NDArray[np.float32] | None,
     is_dual_quaternion: bool,
@@ -39,13 +41,17 @@ def bind(
     )
     mesh = turgor.Mesh(positions, face_offsets, face_corners)
     deltas = shape_deltas if len(shape_deltas) else None
-    return Body(turgor.VolumeSkin(mesh, skinning, shape_deltas=deltas, object_from_armature=object_from_armature))
+    engine = turgor.VolumeSkin(mesh, skinning, shape_deltas=deltas, object_from_armature=object_from_armature)
+    faces, heads = (face_offsets, face_corners), rest_matrices[:, :3, 3]
+    anatomy = Anatomy(positions, *faces, *weights, parents, heads, tails, object_from_armature)
+    return Body(engine, Flesh(anatomy))
 
 
 class Body:
     """Keeps the engine of the last settings, swapped as a whole: safe to call from several threads."""
 
-    def __init__(self, engine: turgor.VolumeSkin) -> None:
+    def __init__(self, engine: turgor.VolumeSkin, flesh: Flesh) -> None:
+        self.flesh = flesh
         self._bound = engine
         self._current: tuple[object, turgor.VolumeSkin, NDArray[np.float64]] = (None, engine, self._strengths(()))
 

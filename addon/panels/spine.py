@@ -5,8 +5,8 @@ from __future__ import annotations
 import bpy
 
 from .. import runtime
+from ..messages import signed_percent
 from .diagnostics import draw_findings
-from .percent import signed_percent
 from .state import draw_timing
 
 PARENT_PANEL = "TURGOR_PT_spine"

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
 from .. import runtime
+from ..messages import signed_percent
+from .before_after import draw_before_after, is_after
 from .diagnostics import draw_findings
 from .joint import draw_joint
 from .joints import columns
-from .percent import signed_percent
 from .state import draw_timing
 
 PARENT_PANEL = "TURGOR_PT_volume"
@@ -38,7 +40,8 @@ class TURGOR_PT_volume(bpy.types.Panel):
             self.layout.operator("object.turgor_volume_add", text="Add Turgor Volume", icon="ADD")
             return
         known = _known(ob)
-        _draw_readout(self.layout, known)
+        draw_before_after(self.layout, ob)
+        _draw_readout(self.layout, known, is_on=is_after(ob))
         draw_findings(self.layout, context, known, "VOLUME")
         _draw_joints(self.layout, context, ob)
         draw_joint(self.layout, ob)
@@ -77,19 +80,22 @@ def _known(ob: bpy.types.Object) -> runtime.Character:
     return runtime.session.characters.get(ob.session_uid, runtime.Character())
 
 
-def _draw_readout(layout: bpy.types.UILayout, known: runtime.Character) -> None:
+def _draw_readout(layout: bpy.types.UILayout, known: runtime.Character, *, is_on: bool) -> None:
     figures = known.figures
     if figures is None:
         return
+    digits = 2 if abs(figures.corrected_deviation) >= VISIBLE_PERCENT else 4
+    corrected = signed_percent(figures.corrected_deviation, digits)
+    skinned = signed_percent(figures.skinned_deviation, 2)
+    shown, beside = (corrected, iface_("without Turgor")) if is_on else (skinned, iface_("with Turgor"))
     column = layout.box().column(align=True)
     line = column.row()
     line.alignment = "CENTER"
-    digits = 2 if abs(figures.corrected_deviation) >= VISIBLE_PERCENT else 4
-    line.label(text=f"Volume error {signed_percent(figures.corrected_deviation, digits)}")
+    line.label(text=iface_("Volume error {error}").format(error=shown), translate=False)
     line = column.row()
     line.alignment = "CENTER"
     line.active = False
-    line.label(text=f"without Turgor {signed_percent(figures.skinned_deviation, 2)}")
+    line.label(text=" ".join((beside, skinned if is_on else corrected)), translate=False)
 
 
 def _draw_joints(layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy.types.Object) -> None:

@@ -18,6 +18,7 @@ class RestBones(NamedTuple):
     rest_matrices: NDArray[np.float64]  # (B, 4, 4)
     pose_indices: NDArray[np.int32]  # (B,) place among all bones of the pose
     is_deform: NDArray[np.bool_]  # (B,) deforms this mesh
+    tails: NDArray[np.float64]  # (B, 3)
 
 
 def read_bones(rig: bpy.types.Object, group_names: Collection[str]) -> RestBones:
@@ -39,6 +40,7 @@ def read_bones(rig: bpy.types.Object, group_names: Collection[str]) -> RestBones
         rest_matrices,
         np.array(places, np.int32),
         np.array([name in deform for name in names], bool),
+        np.array([bones[name].tail_local for name in names], np.float64).reshape(-1, 3),
     )
 
 

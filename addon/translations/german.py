@@ -272,4 +272,27 @@ TEXTS: dict[str, str] = {
     "Frame handlers write the correction: two evaluations per frame": (
         "Handler schreiben die Korrektur: zwei Auswertungen je Bild"
     ),
+    # Drawn over the viewport
+    "Before": "Vorher",
+    "After": "Nachher",
+    "Volume error {error}": "Volumenfehler {error}",
+    "without Turgor": "ohne Turgor",
+    "with Turgor": "mit Turgor",
+    "volume {error}": "Volumen {error}",
+    "volume {error}, Turgor is off": "Volumen {error}, Turgor ist aus",
+    "without Turgor {error}": "ohne Turgor {error}",
+    "with Turgor {error}": "mit Turgor {error}",
+    "Along the parent": "Entlang des übergeordneten",
+    "Hinge": "Scharnier",
+    "Inside of the bend": "Innen an der Beugung",
+    "Viewport Display": "Ansichtsdarstellung",
+    "Performance": "Leistung",
+    "Text": "Text",
+    "Guides": "Hilfslinien",
+    "Off in the viewport": "In der Ansicht aus",
+    "Read pose and settings": "Pose und Einstellungen lesen",
+    "Engine": "Rechenkern",
+    "Write offsets": "Versätze schreiben",
+    "Add offsets to the mesh": "Versätze zum Netz addieren",
+    "Armature, for comparison": "Armatur, zum Vergleich",
 }

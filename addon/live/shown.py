@@ -1,0 +1,71 @@
+"""What overlays show of a character, read when a viewport is drawn: always of what that viewport shows.
+
+On the main thread, from evaluated data that lives while the viewport is drawn; nothing of Blender is kept.
+"""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from .. import runtime
+from ..logic.shown import Shown
+from ..scene import modifier_inputs, node_group, stack
+from . import frame
+from .binding import Bound
+
+# Of each character, by uid: what its last frame was made of, and that frame.
+_last: dict[int, tuple[tuple[object, ...], Shown]] = {}
+
+
+def look(ob: bpy.types.Object) -> Shown | None:
+    """The same object again while nothing changed; None where there is nothing to show."""
+    known = runtime.session.characters.get(ob.session_uid)
+    bound: Bound | None = None if known is None else known.body
+    if bound is None:
+        return None
+    target = ob.evaluated_get(bpy.context.view_layer.depsgraph)
+    try:
+        asked = frame.read(target, bound)
+        strength = _strength(target)
+    except ValueError:  # the frame itself says so, in the panel
+        return None
+    if strength is None:
+        return None
+    parts = (asked.pose_matrices, *asked.options.values())
+    content = tuple(np.asarray(part).tobytes() for part in parts)
+    key = (asked.engine, tuple(asked.options), content, strength)
+    last = _last.get(ob.session_uid)
+    if last is None or last[0] != key:
+        last = (
+            key,
+            Shown(asked.engine, bound.body.flesh, bound.bones.names, asked.pose_matrices, asked.options, strength),
+        )
+        _last[ob.session_uid] = last
+    return last[1]
+
+
+def forget() -> None:
+    """Another file, or the end."""
+    _last.clear()
+
+
+def observe(depsgraph: bpy.types.Depsgraph) -> None:
+    """Figures of characters whose modifier is off in this evaluation, so that Before has some too."""
+    for known in list(runtime.session.characters.values()):
+        ob = bpy.data.objects.get(known.name)
+        ours = None if ob is None else stack.volume_modifier(ob)
+        if ours is not None and not ours.show_viewport:
+            target = ob.evaluated_get(depsgraph)
+            if target.is_evaluated:
+                frame.observe(target)
+
+
+def _strength(target: bpy.types.Object) -> float | None:
+    """Part of the correction that the viewport shows; None where not even skinning is shown."""
+    ours, armature = stack.volume_modifier(target), stack.armature_modifier(target)
+    if armature is None or not armature.show_viewport:
+        return None
+    if ours is None or not ours.show_viewport or not modifier_inputs.read_input(ours, node_group.IN_VIEWPORT):
+        return 0.0
+    return float(modifier_inputs.read_input(ours, node_group.STRENGTH))

@@ -1,0 +1,39 @@
+"""Which characters a viewport shows, and what each wants drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import bpy
+
+from .. import runtime
+
+# Modes in which the viewport shows the mesh as its modifiers leave it, and no colors of its own.
+MODES = frozenset({"OBJECT", "POSE"})
+
+
+def shown(context: bpy.types.Context) -> Iterator[tuple[bpy.types.Object, runtime.Character]]:
+    """With Turgor Volume and in this viewport: not hidden, and in its local view when it has one."""
+    space = context.space_data
+    if not space.overlay.show_overlays:
+        return
+    objects = context.view_layer.objects
+    for uid, known in list(runtime.session.characters.items()):
+        ob = objects.get(known.name)
+        if ob is not None and ob.session_uid != uid:
+            # Linked objects may bear the same name.
+            ob = next((other for other in objects if other.session_uid == uid), None)
+        if ob is not None and ob.turgor.version > 0 and ob.visible_in_viewport_get(space):
+            yield ob, known
+
+
+def active_joint(ob: bpy.types.Object) -> str:
+    """The name of its bone; empty without one."""
+    joints, active = ob.turgor.joints, ob.turgor.active_joint
+    return joints[active].name if 0 <= active < len(joints) else ""
+
+
+def is_after(ob: bpy.types.Object) -> bool:
+    """Whether the viewport shows our modifier's effect: the artist's Before / After."""
+    modifier = runtime.session.find_modifier(ob)
+    return modifier is None or modifier.show_viewport

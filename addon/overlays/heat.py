@@ -1,0 +1,181 @@
+"""Heat maps: the skin, as the modifier leaves it, in colors; and the legend that says what they mean."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import bpy
+import gpu
+import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
+from gpu_extras.batch import batch_for_shader
+
+from .. import runtime
+from ..messages import signed_percent
+from . import text
+from .characters import MODES, active_joint
+
+# Towards the viewer, as part of the median edge: for skin that is drawn as it is, and for skin that a modifier after
+# ours smooths, which then runs up to so far beside it.
+BIAS, SMOOTHED_BIAS = 0.02, 0.3
+SMOOTHING = frozenset({"SUBSURF", "MULTIRES", "SMOOTH", "CORRECTIVE_SMOOTH", "LAPLACIANSMOOTH", "REMESH", "BEVEL"})
+# Of the legend, in widgets.
+BAR_WIDTH, BAR_HEIGHT = 9.0, 0.5
+
+
+class _Drawn(NamedTuple):
+    """What is on the graphics card for one character."""
+
+    shown: Any  # logic.shown.Shown
+    key: tuple[object, ...]
+    colors: Any  # logic.shown.Colors
+    triangles: Any
+    elements: gpu.types.GPUIndexBuf
+    batch: gpu.types.GPUBatch
+
+
+# By session uid.
+_drawn: dict[int, _Drawn] = {}
+
+
+def draw(context: bpy.types.Context, ob: bpy.types.Object) -> None:
+    """In world space."""
+    drawn = _prepare(ob)
+    if drawn is None:
+        return
+    view = context.region_data
+    bias = SMOOTHED_BIAS if _is_smoothed(ob) else BIAS
+    bias *= drawn.shown.flesh.edge_length * _scale(ob)
+    shader = gpu.shader.from_builtin("SMOOTH_COLOR")
+    gpu.matrix.push()
+    gpu.matrix.push_projection()
+    gpu.matrix.load_projection_matrix(_nearer(gpu.matrix.get_projection_matrix(), view, ob, bias))
+    gpu.matrix.multiply_matrix(ob.matrix_world)
+    gpu.state.blend_set("ALPHA")
+    gpu.state.depth_test_set("LESS_EQUAL")
+    try:
+        # What is nearest first, so that far skin does not shine through near skin.
+        gpu.state.depth_mask_set(True)
+        gpu.state.color_mask_set(False, False, False, False)
+        drawn.batch.draw(shader)
+        gpu.state.depth_mask_set(False)
+        gpu.state.color_mask_set(True, True, True, True)
+        drawn.batch.draw(shader)
+    finally:
+        gpu.state.color_mask_set(True, True, True, True)
+        gpu.state.depth_mask_set(False)
+        gpu.state.depth_test_set("NONE")
+        gpu.state.blend_set("NONE")
+        gpu.matrix.pop_projection()
+        gpu.matrix.pop()
+
+
+def draw_legend(context: bpy.types.Context, ob: bpy.types.Object, x: float, y: float) -> float:
+    """Below a baseline; the next baseline."""
+    drawn = _drawn.get(ob.session_uid)
+    if drawn is None or not is_wanted(ob):
+        return y
+    unit, line = text.unit(), text.LINE_HEIGHT * text.unit()
+    display = ob.turgor.display
+    title = iface_(display.bl_rna.properties["heat"].enum_items[display.heat].name)
+    if display.heat == "WEIGHT":
+        title = f"{title}: {active_joint(ob)}"
+    text.write(f"{ob.name}  {title}", x, y, text.theme_color())
+    top = y - 0.35 * line
+    _draw_bar(drawn.colors.color_map, x, top - BAR_HEIGHT * unit, BAR_WIDTH * unit, BAR_HEIGHT * unit)
+    y = top - BAR_HEIGHT * unit - 0.8 * line
+    low, high = (_value(context, display.heat, value) for value in (drawn.colors.lowest, drawn.colors.highest))
+    color = text.theme_color(emphasised=False)
+    text.write(low, x, y, color)
+    text.write(high, x + BAR_WIDTH * unit - text.width(high), y, color)
+    return y - 1.3 * line
+
+
+def is_wanted(ob: bpy.types.Object) -> bool:
+    """Whether the object shows a heat map now."""
+    return ob.turgor.display.heat != "NONE" and ob.mode in MODES
+
+
+def keep_only(uids: set[int]) -> None:
+    """Free what no viewport draws any more; heat maps are large."""
+    for uid in _drawn.keys() - uids:
+        del _drawn[uid]
+
+
+def _prepare(ob: bpy.types.Object) -> _Drawn | None:
+    look = runtime.session.look
+    shown = None if look is None else look(ob)
+    if shown is None:
+        _drawn.pop(ob.session_uid, None)
+        return None
+    display, joint = ob.turgor.display, active_joint(ob)
+    world = np.array(ob.matrix_world, np.float64)
+    key = (display.heat, joint, display.heat_range, display.opacity, world[:3, :3].tobytes())
+    before = _drawn.get(ob.session_uid)
+    if before is not None and before.shown is shown and before.key == key:
+        return before
+    colors = shown.heat(display.heat, joint, world, display.heat_range, display.opacity)
+    if colors is None:
+        _drawn.pop(ob.session_uid, None)
+        return None
+    triangles = shown.flesh.triangles
+    if before is not None and before.triangles is triangles:
+        elements = before.elements
+    else:
+        elements = gpu.types.GPUIndexBuf(type="TRIS", seq=np.ascontiguousarray(triangles))
+    batch = _batch(shown.positions, colors.colors, elements)
+    drawn = _drawn[ob.session_uid] = _Drawn(shown, key, colors, triangles, elements, batch)
+    return drawn
+
+
+def _batch(positions: Any, colors: Any, elements: gpu.types.GPUIndexBuf) -> gpu.types.GPUBatch:
+    layout = gpu.types.GPUVertFormat()
+    layout.attr_add(id="pos", comp_type="F32", len=3, fetch_mode="FLOAT")
+    layout.attr_add(id="color", comp_type="F32", len=4, fetch_mode="FLOAT")
+    vertices = gpu.types.GPUVertBuf(format=layout, len=len(positions))
+    vertices.attr_fill(id="pos", data=np.ascontiguousarray(positions))
+    vertices.attr_fill(id="color", data=np.ascontiguousarray(colors))
+    return gpu.types.GPUBatch(type="TRIS", buf=vertices, elem=elements)
+
+
+def _nearer(projection: Any, view: bpy.types.RegionView3D, ob: bpy.types.Object, bias: float) -> Any:
+    """The projection with depths as if everything were nearer to the viewer by `bias` where the object is."""
+    moved = projection.copy()
+    if view.is_perspective:
+        distance = -(view.view_matrix @ ob.matrix_world.translation).z
+        # z' / w with z -> z (1 - part), w as it is.
+        moved[2][3] /= 1.0 - min(bias / max(distance, bias * 2.0), 0.5)
+    else:
+        moved[2][3] += moved[2][2] * bias
+    return moved
+
+
+def _is_smoothed(ob: bpy.types.Object) -> bool:
+    return any(modifier.type in SMOOTHING and modifier.show_viewport for modifier in ob.modifiers)
+
+
+def _scale(ob: bpy.types.Object) -> float:
+    return max(abs(part) for part in ob.matrix_world.to_scale())
+
+
+def _value(context: bpy.types.Context, heat: str, value: float) -> str:
+    if heat == "STRAIN":
+        return signed_percent(100.0 * value, 0 if abs(value) >= 0.1 else 2)
+    if heat == "WEIGHT":
+        return f"{value:.2f}"
+    units = context.scene.unit_settings
+    if units.system == "NONE":
+        return f"{value:.4g}"
+    return bpy.utils.units.to_string(units.system, "LENGTH", value * units.scale_length, precision=3)
+
+
+def _draw_bar(color_map: Any, x: float, y: float, width: float, height: float) -> None:
+    at = x + np.linspace(0.0, width, len(color_map))
+    points = np.zeros((len(at), 2, 2), np.float32)
+    points[:, :, 0] = at[:, None]
+    points[:, :, 1] = (y, y + height)
+    colors = np.ones((len(at), 2, 4), np.float32)
+    colors[:, :, :3] = color_map[:, None]
+    shader = gpu.shader.from_builtin("SMOOTH_COLOR")
+    data = {"pos": points.reshape(-1, 2), "color": colors.reshape(-1, 4)}
+    batch_for_shader(shader, "TRI_STRIP", data).draw(shader)

@@ -1,0 +1,59 @@
+"""All that Turgor Volume draws over a viewport; returns at once where no character wants anything."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+from .. import runtime
+from . import heat, joint_axes, readout, text
+from .characters import shown
+
+_handles: list[Any] = []
+
+
+def draw_in_space() -> None:
+    """In world space, over the mesh."""
+    if not runtime.session.characters:
+        return
+    context = bpy.context
+    for ob, _ in shown(context):
+        display = ob.turgor.display
+        if heat.is_wanted(ob):
+            heat.draw(context, ob)
+        if display.show_axes:
+            joint_axes.draw(context, ob)
+
+
+def draw_on_top() -> None:
+    """In pixels of the region."""
+    if not runtime.session.characters:
+        return
+    context = bpy.context
+    x = y = None
+    for ob, known in shown(context):
+        display = ob.turgor.display
+        if display.show_joint_readout:
+            readout.draw_joints(context, ob, known)
+        if display.show_axes:
+            joint_axes.draw_names(context, ob)
+        if not display.show_readout and not heat.is_wanted(ob):
+            continue
+        if y is None:
+            x, y = text.first_line(context, text.visible_rect(context))
+        if display.show_readout:
+            y = readout.draw(ob, known, x, y)
+        y = heat.draw_legend(context, ob, x, y)
+
+
+def register() -> None:
+    if not bpy.app.background:
+        for callback, event in ((draw_in_space, "POST_VIEW"), (draw_on_top, "POST_PIXEL")):
+            _handles.append(bpy.types.SpaceView3D.draw_handler_add(callback, (), "WINDOW", event))
+
+
+def unregister() -> None:
+    while _handles:
+        bpy.types.SpaceView3D.draw_handler_remove(_handles.pop(), "WINDOW")
+    heat.keep_only(set())
