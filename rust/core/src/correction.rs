@@ -15,6 +15,11 @@ const SLOPE_MAX: f64 = 0.8;
 const HOLD_MIN: f64 = 1e-3;
 /// A vicinity that holds less than this part of its shell holds nothing.
 const SHELL_PART_MIN: f64 = 1e-9;
+/// Where a mask leaves less than this part of a vicinity's hold, volume goes to the whole shell, smoothly: pinned skin
+/// cannot take it, and the little that is left should not take all.
+const FREE_PART_MIN: f64 = 0.05;
+/// Losses below this part of the vicinity's volume are rounding.
+const ROUNDING: f64 = 1e-9;
 /// Volume of a joint's vicinity over its length cubed: what a loss is compared with to fold.
 const VICINITY_VOLUME: f64 = 0.1;
 
@@ -107,12 +112,20 @@ pub(crate) struct Hold {
     pub along: [f64; 3],
     pub bell: f64,
     pub all: f64,
+    /// `all` without the mask.
+    pub unmasked: f64,
     pub along_most: [f64; 3],
     pub bell_most: f64,
     pub all_most: f64,
 }
 
 impl Hold {
+    /// Part of the volume that stays in the vicinity; 1 without a mask.
+    fn free_part(&self) -> f64 {
+        let free = (self.all / (FREE_PART_MIN * self.unmasked)).min(1.0);
+        free * free * (3.0 - 2.0 * free)
+    }
+
     /// Adds another part of the same field, whose sums are in units of `unit`.
     pub fn join(&mut self, other: &Self, unit: f64) {
         for axis in 0..3 {
@@ -121,6 +134,7 @@ impl Hold {
         }
         self.bell += other.bell * unit;
         self.all += other.all * unit;
+        self.unmasked += other.unmasked * unit;
         self.bell_most = self.bell_most.max(other.bell_most);
         self.all_most = self.all_most.max(other.all_most);
     }
@@ -156,12 +170,19 @@ impl Field {
 
     fn shaped(frame: &FieldFrame, hold: &Hold, shell: f64, shares: Shares, volume: f64) -> Self {
         let mut field = Self { shaped: DMat3::ZERO, ..Self::default() };
+        let free = hold.free_part();
+        let is_rounding = volume.abs() * frame.inverse_length.powi(3) <= ROUNDING * VICINITY_VOLUME;
+        let is_masked = hold.all < hold.unmasked && shell > 0.0 && !is_rounding;
+        let trust = |part: f64, whole: f64| part * part / (part * part + (HOLD_MIN * whole).powi(2));
+        let total: f64 = hold.along.iter().sum();
+        let own_hold = if frame.frame_part > 0.5 { total } else { hold.bell };
+        // A profile that a mask has taken away is as good as too narrow.
+        field.is_capped = is_masked && (free < 1.0 || trust(own_hold, hold.all) < 0.5);
+        let volume = volume * free;
         if hold.all <= SHELL_PART_MIN * shell || hold.all <= 0.0 {
             return field;
         }
         let most = frame.displacement_max;
-        let trust = |part: f64, whole: f64| part * part / (part * part + (HOLD_MIN * whole).powi(2));
-        let total: f64 = hold.along.iter().sum();
         if frame.frame_part > 0.0 && total > 0.0 {
             let wanted = volume * frame.frame_part * trust(total, hold.all);
             let alpha = match shares {

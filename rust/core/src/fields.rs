@@ -46,6 +46,20 @@ fn directions_by_lanes<S: Simd>(
     }
 }
 
+/// Multiplies the directions, volumes and lengths of points by what a mask leaves them.
+pub(crate) fn mask(mask: &[f32], directions: &mut [Row; 3], volumes: &mut Row, lengths: &mut Row) {
+    dispatch!(Level::new(), simd => mask_by_lanes(simd, mask, directions, volumes, lengths));
+}
+
+#[inline(always)]
+fn mask_by_lanes<S: Simd>(_: S, mask: &[f32], directions: &mut [Row; 3], volumes: &mut Row, lengths: &mut Row) {
+    for row in directions.iter_mut().chain([volumes, lengths]) {
+        for (value, m) in row[..mask.len()].iter_mut().zip(mask) {
+            *value *= m;
+        }
+    }
+}
+
 /// Weights times the joint's bell at each place.
 pub(crate) fn bell_heights(weights: &[f32], places: Rows, frame: &FieldFrame, heights: &mut [f32]) {
     dispatch!(Level::new(), simd => bell_heights_by_lanes(simd, weights, places, frame, heights));
@@ -123,6 +137,8 @@ pub(crate) struct FieldRows {
     pub directions: [Row; 3],
     pub volumes: Row,
     pub lengths: Row,
+    /// Volumes without the mask.
+    pub unmasked: Row,
     pub bell: Row,
 }
 
@@ -142,7 +158,7 @@ const NO_ROW: Row = [0.0; PATCH_POINTS];
 
 impl FieldRows {
     pub const fn new() -> Self {
-        Self { directions: [NO_ROW; 3], volumes: NO_ROW, lengths: NO_ROW, bell: NO_ROW }
+        Self { directions: [NO_ROW; 3], volumes: NO_ROW, lengths: NO_ROW, unmasked: NO_ROW, bell: NO_ROW }
     }
 }
 

@@ -15,6 +15,7 @@ mod frame;
 mod joint;
 mod lanes;
 mod many_poses;
+mod mask;
 mod mesh;
 mod motions;
 mod patches;

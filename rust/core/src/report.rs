@@ -9,6 +9,8 @@ pub struct Report {
     pub target_volumes: Vec<f64>,
     /// Per component, measured on the corrected positions.
     pub corrected_volumes: Vec<f64>,
+    /// Per component, whether the mask lets nothing of it move: it stays as skinned.
+    pub component_is_pinned: Vec<bool>,
     /// Per joint, volume its turn took, over all components.
     pub joint_losses: Vec<f64>,
     /// Per joint, volume given back by its field, to first order.
@@ -29,6 +31,7 @@ impl Report {
             skinned_volumes: vec![0.0; component_count],
             target_volumes: vec![0.0; component_count],
             corrected_volumes: vec![0.0; component_count],
+            component_is_pinned: vec![false; component_count],
             joint_losses: vec![0.0; joint_count],
             joint_regained: vec![0.0; joint_count],
             joint_displacements: vec![0.0; joint_count],
@@ -38,13 +41,15 @@ impl Report {
         }
     }
 
-    /// Largest |corrected − target| / |target| over components that have a target; infinite where that is no number.
+    /// Largest |corrected − target| / |target| over components that have a target and may move; infinite where that is no
+    /// number.
     pub fn relative_error(&self) -> f64 {
         self.corrected_volumes
             .iter()
             .zip(&self.target_volumes)
-            .filter(|(_, target)| **target != 0.0)
-            .map(|(corrected, target)| ((corrected - target) / target).abs())
+            .zip(&self.component_is_pinned)
+            .filter(|((_, target), is_pinned)| **target != 0.0 && !**is_pinned)
+            .map(|((corrected, target), _)| ((corrected - target) / target).abs())
             .fold(0.0, |largest, error| if error.is_nan() { f64::INFINITY } else { error.max(largest) })
     }
 }

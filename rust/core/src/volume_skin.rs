@@ -8,6 +8,7 @@ use crate::binding::Binding;
 use crate::error::{Error, Result, check_finite};
 use crate::frame::{JointField, Pose, Workspace};
 use crate::joint::Joint;
+use crate::mask::Mask;
 use crate::report::Report;
 use crate::skinning::{Skinning, check_object};
 use crate::split::FEW;
@@ -47,6 +48,7 @@ pub struct VolumeSkin {
     /// One per joint of the tree.
     joints: Arc<Vec<Joint>>,
     options: Options,
+    mask: Option<Arc<Mask>>,
 }
 
 impl VolumeSkin {
@@ -84,10 +86,10 @@ impl VolumeSkin {
         let binding = Binding::new(topology, rest, skinning, shape_deltas, armature_from_object);
         let joints = binding.settings(joints)?;
         let supports = binding.supports(&joints);
-        Ok(Self { binding: Arc::new(binding), supports: Arc::new(supports), joints: Arc::new(joints), options })
+        Ok(Self { binding: Arc::new(binding), supports: Arc::new(supports), joints: Arc::new(joints), options, mask: None })
     }
 
-    /// The same binding with other settings.
+    /// The same binding and mask with other settings.
     ///
     /// # Errors
     /// Joints out of range, named twice, or with settings out of range.
@@ -95,7 +97,18 @@ impl VolumeSkin {
         let joints = self.binding.settings(joints)?;
         let same_sizes = joints.iter().zip(&*self.joints).all(|(a, b)| a.size.to_bits() == b.size.to_bits());
         let supports = if same_sizes { Arc::clone(&self.supports) } else { Arc::new(self.binding.supports(&joints)) };
-        Ok(Self { binding: Arc::clone(&self.binding), supports, joints: Arc::new(joints), options })
+        Ok(Self { supports, joints: Arc::new(joints), options, ..self.clone() })
+    }
+
+    /// The same binding and settings with another mask: per vertex in 0..1, a factor on its weight in every field.
+    ///
+    /// A vertex of 0 stays as skinned, exactly. Workspaces may be used with any mask.
+    ///
+    /// # Errors
+    /// A mask of another length, or numbers beyond 0..1.
+    pub fn with_mask(&self, mask: Option<&[f32]>) -> Result<Self> {
+        let mask = mask.map(|mask| Mask::new(&self.binding, mask)).transpose()?.flatten().map(Arc::new);
+        Ok(Self { mask, ..self.clone() })
     }
 
     /// Settings as bound, one per joint.
@@ -125,7 +138,8 @@ impl VolumeSkin {
 
     /// Memory of the binding and one workspace.
     pub fn memory_bytes(&self) -> usize {
-        self.binding.memory_bytes() + self.supports.memory_bytes() + self.workspace().memory_bytes()
+        let mask = self.mask.as_ref().map_or(0, |mask| mask.memory_bytes());
+        self.binding.memory_bytes() + self.supports.memory_bytes() + mask + self.workspace().memory_bytes()
     }
 
     /// New buffers.
@@ -134,7 +148,7 @@ impl VolumeSkin {
     }
 
     /// Skins and corrects one frame: writes corrected − skinned of every vertex, object space, to `offsets`. Positions are
-    /// read from the workspace, which must be of this very `VolumeSkin`. A pure function of its input.
+    /// read from the workspace, which must be of this very `VolumeSkin`, or one with another mask. A pure function of its input.
     ///
     /// # Errors
     /// A pose that is not finite or of another skeleton, an object matrix without inverse, `offsets` of another length.
@@ -170,6 +184,7 @@ impl VolumeSkin {
     }
 
     fn skin(&self, pose: &Pose, workspace: &mut Workspace) {
+        workspace.mask.clone_from(&self.mask);
         workspace.skin(&self.binding);
         workspace.measure(&self.binding, &self.supports, &self.joints, pose);
     }

@@ -91,6 +91,10 @@ pub fn numbers(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<f64>> {
     read(value, what, "float64", "(N,)", |shape| shape.len() == 1)
 }
 
+pub fn floats(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<f32>> {
+    read(value, what, "float32", "(N,)", |shape| shape.len() == 1)
+}
+
 pub fn numbers_and_shape(
     value: &Bound<'_, PyAny>,
     what: &str,

@@ -82,6 +82,11 @@ impl Report {
     }
 
     #[getter]
+    fn component_is_pinned<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        arrays::from_numbers(py, &self.inner.component_is_pinned)
+    }
+
+    #[getter]
     fn seam_gap(&self) -> f64 {
         self.inner.seam_gap
     }

@@ -19,8 +19,8 @@ use crate::{TurgorError, arrays, refused};
 pub struct VolumeSkin {
     inner: turgor::VolumeSkin,
     mesh: Arc<turgor::Mesh>,
-    /// Buffers of calls that have ended, for the next ones.
-    workspaces: Mutex<Vec<Workspace>>,
+    /// Buffers of calls that have ended, for the next ones; a mask does not change them.
+    workspaces: Arc<Mutex<Vec<Workspace>>>,
 }
 
 fn solver(name: &str) -> PyResult<Solver> {
@@ -37,7 +37,7 @@ fn joint_settings(joints: Option<Vec<PyRef<'_, Joint>>>) -> Vec<turgor::Joint> {
 
 impl VolumeSkin {
     fn wrap(inner: turgor::VolumeSkin, mesh: Arc<turgor::Mesh>) -> Self {
-        Self { inner, mesh, workspaces: Mutex::new(Vec::new()) }
+        Self { inner, mesh, workspaces: Arc::default() }
     }
 
     /// Computes something in a workspace, without the interpreter.
@@ -129,6 +129,13 @@ impl VolumeSkin {
         let joints = joint_settings(joints);
         let inner = py.detach(|| self.inner.with_joints(&joints, options)).map_err(refused)?;
         Ok(Self::wrap(inner, Arc::clone(&self.mesh)))
+    }
+
+    #[pyo3(signature = (mask))]
+    fn with_mask(&self, py: Python<'_>, mask: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let mask = mask.map(|mask| arrays::floats(mask, "mask")).transpose()?;
+        let inner = py.detach(|| self.inner.with_mask(mask.as_deref())).map_err(refused)?;
+        Ok(Self { inner, mesh: Arc::clone(&self.mesh), workspaces: Arc::clone(&self.workspaces) })
     }
 
     #[pyo3(signature = (pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None))]

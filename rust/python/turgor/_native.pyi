@@ -184,7 +184,8 @@ class JointField:
     def gamma(self) -> NDArray[np.float32]:
         """(N,) weight of each vertex in the field, before areas: 0 outside the joint's vicinity.
 
-        axes_share of it is the profiles', the rest the bell's, and all of it where there are no profiles.
+        axes_share of it is the profiles', the rest the bell's, and all of it where there are no profiles; times what
+        the mask leaves.
         """
 
 @final
@@ -229,7 +230,16 @@ class VolumeSkin:
         solver: Literal["simultaneous", "sequential"] | None = None,
         keep_bone_scale: bool | None = None,
     ) -> VolumeSkin:
-        """The same binding with other settings; cheap, the mesh and weights are shared."""
+        """The same binding and mask with other settings; cheap, the mesh and weights are shared."""
+    def with_mask(self, mask: ArrayLike | None) -> VolumeSkin:
+        """The same binding and settings with another mask; very cheap, all else is shared.
+
+        mask: (N,) float32 in 0..1, factor on the vertex's weight in every field; None: no mask. Only factors against
+        each other count, per component: one number everywhere is no mask. Twins of one point share the smallest of
+        theirs. A vertex of 0 comes out exactly as skinned. The volume stays exact; a component of nothing but 0 stays
+        as skinned, see `Report.component_is_pinned`. Where a mask leaves next to nothing of a joint's vicinity, the
+        joint's volume goes to the whole shell, and the joint is reported as capped.
+        """
     def deform(
         self,
         pose_matrices: ArrayLike,
@@ -363,7 +373,10 @@ class Report:
         """(J,) bound on the largest displacement by each joint's field, armature space."""
     @property
     def joint_is_capped(self) -> NDArray[np.bool_]:
-        """(J,) the profile was too narrow: part of the volume went to a wider field."""
+        """(J,) the profile was too narrow, or masked: part of the volume went to a wider field."""
+    @property
+    def component_is_pinned(self) -> NDArray[np.bool_]:
+        """(K,) the mask lets nothing of it move: it stays as skinned."""
     @property
     def seam_gap(self) -> float:
         """Largest distance between skinned twins of one welded point, object space."""
@@ -372,7 +385,7 @@ class Report:
         """Largest |corrected - skinned|, object space."""
     @property
     def relative_error(self) -> float:
-        """Largest |corrected - target| / |target| over sound components."""
+        """Largest |corrected - target| / |target| over sound components that are not pinned."""
 
 @final
 class Measures:

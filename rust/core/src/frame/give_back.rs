@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::scratch::{Scratch, with_scratch};
-use super::{JobState, Workspace, ragged};
+use super::{JobState, Workspace, in_single_precision, ragged};
 use crate::binding::Binding;
 use crate::correction::{Field, Hold};
 use crate::fields::{self, FieldRows, Move};
@@ -45,7 +45,7 @@ impl Workspace {
 
     /// Reads the gradient and sums what each field could do with it.
     pub(super) fn hold(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pass: Pass) {
-        let (patches, jobs, sources) = (&binding.patches, &self.jobs, &self.sources);
+        let (patches, jobs, sources, mask) = (&binding.patches, &self.jobs, &self.sources, self.mask.as_deref());
         let (places, has_profiles) = (self.skinned.near.each_ref().map(|c| &**c), !self.profiled.is_empty());
         let profile_offsets = if has_profiles { &supports.weight_offsets } else { &patches.no_rows };
         for_each_piece(
@@ -59,13 +59,17 @@ impl Workspace {
             &|index, (gradient, profiled, holds, sums)| {
                 with_scratch(|scratch| {
                     let patch = &patches.list[index];
-                    let FieldRows { directions, volumes, lengths, bell, .. } = &mut scratch.fields;
+                    let FieldRows { directions, volumes, lengths, unmasked, bell } = &mut scratch.fields;
                     let slots = patch.start..patches.slot_offsets[index + 1] as usize;
                     let mut gradient = gradient.map(|row| row.values);
                     import_gradient(binding, index, sources, &mut gradient);
                     let gradient = gradient.map(|row| &*row);
                     let areas = &binding.inverse_areas[slots.clone()];
                     fields::directions(gradient, areas, directions, volumes, lengths);
+                    if let Some(mask) = mask {
+                        *unmasked = *volumes;
+                        fields::mask(&mask.of_slot[slots.clone()], directions, volumes, lengths);
+                    }
                     let places = places.map(|row| &row[slots.clone()]);
                     sums[0].wide_hold = fields::sum_and_most(areas, volumes, lengths).0;
                     let row_length = slots.len();
@@ -88,6 +92,7 @@ impl Workspace {
                             }
                         }
                         (hold.all, hold.all_most) = fields::sum_and_most(weights, volumes, lengths);
+                        hold.unmasked = mask.map_or(hold.all, |_| fields::sum_and_most(weights, unmasked, lengths).0);
                         (hold.bell, hold.bell_most) = fields::sum_and_most(bell, volumes, lengths);
                         if state.frame.has_axes() {
                             let shape = if profiles.is_some() { &profiled.values[at] } else { &*bell };
@@ -146,7 +151,7 @@ impl Workspace {
         pass: Pass,
         keep: impl Fn(&mut Move, Move) + Sync,
     ) {
-        let (jobs, components, patches) = (&self.jobs, &self.components, &binding.patches);
+        let (jobs, components, patches, mask) = (&self.jobs, &self.components, &binding.patches, self.mask.as_deref());
         let (gradient, places, profiled) =
             (self.gradient.each_ref().map(|c| &**c), self.skinned.near.each_ref().map(|c| &**c), &self.profiled);
         for_each_piece(patches.list.len(), Ragged::new(&mut self.moves, &patches.slot_offsets), &|index, moves| {
@@ -156,8 +161,11 @@ impl Workspace {
                 let (gradient, places) = (gradient.map(|row| &row[slots.clone()]), places.map(|row| &row[slots.clone()]));
                 let areas = &binding.inverse_areas[slots.clone()];
                 let component = &components[patch.component as usize];
-                let Scratch { fields: FieldRows { directions, volumes, lengths, bell }, sum, .. } = scratch;
+                let Scratch { fields: FieldRows { directions, volumes, lengths, bell, .. }, sum, .. } = scratch;
                 fields::directions(gradient, areas, directions, volumes, lengths);
+                if let Some(mask) = mask {
+                    fields::mask(&mask.of_slot[slots.clone()], directions, volumes, lengths);
+                }
                 let is_wide = !matches!(pass, Pass::Some(_));
                 sum.start(areas, if is_wide { [component.wide_field, component.wide_residual] } else { [0.0; 2] });
                 let bell = &mut bell[..slots.len()];
@@ -191,11 +199,6 @@ impl JobState {
         self.is_capped |= field.is_capped;
         self.field = field;
     }
-}
-
-/// The number, or 0 where single precision cannot hold it: a shell flattened to nothing has no field.
-fn in_single_precision(number: f64) -> f64 {
-    if number.abs() < f64::from(f32::MAX) { number } else { 0.0 }
 }
 
 /// Sums the parts of the gradient at the points that a patch shares.

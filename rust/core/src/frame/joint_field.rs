@@ -22,7 +22,8 @@ pub struct JointField {
     pub axes_share: f64,
     /// Unit of the profiles.
     pub length: f64,
-    /// Per vertex, γ before it is divided by the vertex's area: w of the profiles and 1 − w of the bell, of its vicinity.
+    /// Per vertex, γ before it is divided by the vertex's area: w of the profiles and 1 − w of the bell, of its vicinity,
+    /// times what the mask leaves.
     pub gamma: Vec<f32>,
 }
 
@@ -56,6 +57,7 @@ impl Workspace {
             let weights = &supports.weights[supports.weight_offsets[index] as usize + row * slots.len()..][..slots.len()];
             let places = self.skinned.near.each_ref().map(|row| &row[slots.clone()]);
             let areas = &binding.inverse_areas[slots.clone()];
+            let mask = self.mask.as_ref().map(|mask| &mask.of_slot[slots.clone()]);
             let profiles = settings[joint].profiles.as_ref().filter(|_| frame.has_axes());
             with_scratch(|scratch| {
                 let bell = &mut scratch.fields.bell[..weights.len()];
@@ -66,7 +68,7 @@ impl Workspace {
                         let part = frame.frame_part as f32;
                         weights[i] * drawn * part + bell[i] * (1.0 - part)
                     });
-                    *gamma = weight / areas[i];
+                    *gamma = weight / areas[i] * mask.map_or(1.0, |mask| mask[i]);
                 }
             });
         }

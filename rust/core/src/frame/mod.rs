@@ -5,10 +5,13 @@ mod give_back;
 mod in_order;
 mod joint_field;
 mod offsets;
+mod one_direction;
 mod residual;
 mod scratch;
 mod skin;
 mod targets;
+
+use std::sync::Arc;
 
 use glam::{DAffine3, DMat4, DVec3};
 
@@ -20,6 +23,7 @@ use crate::error::{Error, Result};
 use crate::fields::Move;
 use crate::joint::Joint;
 use crate::lanes::{self, V4, add_scaled};
+use crate::mask::Mask;
 use crate::motions::Motions;
 use crate::report::Report;
 use crate::skinning::{check_object, check_pose};
@@ -108,6 +112,7 @@ pub struct Workspace {
     sources: Vec<V4>,
     /// Weight times profile, as in `Supports::weights`; empty while no joint has profiles.
     profiled: Vec<f32>,
+    pub(crate) mask: Option<Arc<Mask>>,
     holds: Vec<Hold>,
     patches: Vec<PatchSums>,
     giant_volumes: Vec<f64>,
@@ -157,6 +162,8 @@ struct ComponentState {
     wide_residual: f64,
     /// Whether the residual is left to the whole shell.
     is_wide_only: bool,
+    /// Whether fields are given up for one direction.
+    is_straight: bool,
     /// Step along the residual's field; NaN where nothing may move.
     step: f64,
 }
@@ -189,6 +196,7 @@ impl Workspace {
             moves: vec![Move::default(); slots],
             sources: vec![lanes::ZERO; binding.patches.source_count()],
             profiled: vec![0.0; if has_profiles { supports.weights.len() } else { 0 }],
+            mask: None,
             holds: vec![Hold::default(); supports.jobs_of_patch.values().len()],
             patches: vec![PatchSums::default(); binding.patches.list.len()],
             giant_volumes: vec![0.0; giants.len()],
@@ -283,6 +291,7 @@ impl Workspace {
             report.skinned_volumes[index] = state.skinned * object_from_armature;
             report.target_volumes[index] = state.target * object_from_armature;
             report.corrected_volumes[index] = state.corrected * object_from_armature;
+            report.component_is_pinned[index] = self.mask.as_ref().is_some_and(|mask| mask.is_pinned[index]);
         }
         report.joint_losses.fill(0.0);
         report.joint_regained.fill(0.0);
@@ -304,6 +313,11 @@ impl Workspace {
 
 fn ragged<'a>(coordinates: &'a mut Coordinates, offsets: &'a [u32]) -> [Ragged<'a, f32>; 3] {
     coordinates.each_mut().map(|row| Ragged::new(row, offsets))
+}
+
+/// The number, or 0 where single precision cannot hold it: a shell flattened to nothing has no field.
+fn in_single_precision(number: f64) -> f64 {
+    if number.abs() < f64::from(f32::MAX) { number } else { 0.0 }
 }
 
 /// (x, y, z, 0) in double precision.

@@ -19,6 +19,8 @@ use crate::volume::VolumeCubic;
 const RESIDUAL_DONE: f64 = 1e-14;
 /// A residual field that must be scaled beyond this has lost its meaning; the whole shell then takes the residual.
 const RESIDUAL_STEP_MAX: f64 = 1.0;
+/// A step of the whole shell that is worth so many times what is to be given back is past a summit of the cubic.
+const BENT_MAX: f64 = 2.0;
 
 impl Workspace {
     /// Steps along the residual's field until every component has its target, by the exact cubic.
@@ -27,6 +29,10 @@ impl Workspace {
         if self.components.iter().any(|state| state.is_wide_only) {
             // Fields that fight each other, or far too little skin: the whole shell takes what is left.
             self.add_fields(binding, supports, settings, Pass::All, |old, new| old.residual = new.residual);
+            self.find_steps(binding);
+        }
+        if self.components.iter().any(|state| state.is_straight) {
+            self.move_along_one_direction(binding);
             self.find_steps(binding);
         }
     }
@@ -51,13 +57,22 @@ impl Workspace {
             });
             self.components[giant.component as usize].cubic.join(&polygon_cubic(corners));
         }
+        let is_masked = self.mask.is_some();
         for state in &mut self.components {
             let gap = state.target - state.cubic.0[0];
             let is_near = gap.abs() <= RESIDUAL_DONE * state.target.abs();
             let root = if is_near { Some(0.0) } else { state.cubic.root_nearest_zero(state.target) };
-            match root.filter(|step| state.is_wide_only || step.abs() <= RESIDUAL_STEP_MAX) {
+            let may_give_up = is_masked && !state.is_straight;
+            // What a step of the shell adds by the slope at the skinned surface, against what is to be given back.
+            let worth = |step: f64| step.abs() * (state.floor + state.wide.abs());
+            let whole = state.spread + (state.target - state.skinned).abs();
+            let is_meant = |step: f64| {
+                if state.is_wide_only { !may_give_up || worth(step) <= BENT_MAX * whole } else { step.abs() <= RESIDUAL_STEP_MAX }
+            };
+            match root.filter(|&step| is_meant(step)) {
                 Some(step) => state.step = step,
                 None if !state.is_wide_only => state.is_wide_only = true,
+                None if may_give_up && state.wide_hold > 0.0 => state.is_straight = true,
                 None if state.cubic.0[0].is_finite() => state.step = 0.0,
                 // Beyond all numbers: as skinned.
                 None => state.step = f64::NAN,
