@@ -93,6 +93,23 @@ class Finding:
         return (self.id, self.subject) if self.severity == "INFO" else (self.text,)
 
 
+class Once:
+    """A value that is worked out when it is first asked for. Made in every frame: `functools.cache` takes longer."""
+
+    __slots__ = ("_value", "_work")
+
+    def __init__(self, work: Callable[[], Any]) -> None:
+        self._work: Callable[[], Any] | None = work
+        self._value: Any = None
+
+    def __call__(self) -> Any:
+        work = self._work
+        if work is not None:
+            self._value = work()
+            self._work = None
+        return self._value
+
+
 @dataclass
 class Character:
     """One object with one modifier of ours."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-from functools import cache
 from time import perf_counter
 
 import bpy
@@ -77,10 +76,10 @@ def _flesh(target: bpy.types.Object, known: runtime.Character, bound: Bound, add
         known.name = target.name
         world = np.array(target.matrix_world, np.float64)
         body, pose = found.body, found.pose
-        known.measure = measure = cache(lambda: _figures(outcome))
-        known.inspect = cache(lambda: findings.of_spine_figures(measure()))
-        known.sketch = cache(lambda: sketch.draw(body, pose, outcome.offsets, world))
-        known.local_error = cache(lambda: sketch.local_error(body, pose))
+        known.measure = measure = runtime.Once(lambda: _figures(outcome))
+        known.inspect = runtime.Once(lambda: findings.of_spine_figures(measure()))
+        known.sketch = runtime.Once(lambda: sketch.draw(body, pose, outcome.offsets, world))
+        known.local_error = runtime.Once(lambda: sketch.local_error(body, pose))
         known.timing = runtime.Timing(1e3 * (ready - started), 1e3 * (done - ready), 1e3 * (perf_counter() - done))
 
 

@@ -5,6 +5,8 @@ The binding uses the saved place, so that it is the same in every session, whate
 
 from __future__ import annotations
 
+from math import inf
+
 import bpy
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +20,14 @@ class PlacementError(ValueError):
 
 def object_from_armature(target: bpy.types.Object, rig: bpy.types.Object) -> NDArray[np.float64]:
     """(4, 4) as both stand now; the same for a curve."""
+    world_from_object, world_from_armature = target.matrix_world, rig.matrix_world
+    # Most meshes stand where their armature stands.
+    if world_from_object == world_from_armature and 0.0 < abs(world_from_object.determinant()) < inf:
+        return np.eye(4)
     try:
-        object_from_world = np.linalg.inv(np.array(target.matrix_world, np.float64))
+        return np.linalg.solve(np.array(world_from_object, np.float64), np.array(world_from_armature, np.float64))
     except np.linalg.LinAlgError:
         raise PlacementError(NO_INVERSE) from None
-    return object_from_world @ np.array(rig.matrix_world, np.float64)
 
 
 def bound_object_from_armature(settings: bpy.types.PropertyGroup) -> NDArray[np.float64] | None:

@@ -60,11 +60,13 @@ def armature_modifier(ob: bpy.types.Object) -> bpy.types.ArmatureModifier | None
 
     Turgor Spine may stand between: it changes the skin of its own bones, which is then corrected too.
     """
-    ours = volume_modifier(ob)
-    modifiers = list(ob.modifiers)
-    if ours is not None:
-        before = modifiers[: modifiers.index(ours)]
-        modifiers = before[-2:-1] if before and before[-1] == own_modifier(ob, node_group.SPINE) else before[-1:]
+    modifiers: list[bpy.types.Modifier] = []
+    for modifier in ob.modifiers:
+        if modifier.type == "NODES" and node_group.is_of_kind(modifier.node_group, node_group.VOLUME):
+            is_fleshed = bool(modifiers) and modifiers[-1] == own_modifier(ob, node_group.SPINE)
+            modifiers = modifiers[-2:-1] if is_fleshed else modifiers[-1:]
+            break
+        modifiers.append(modifier)
     armatures = [modifier for modifier in modifiers if modifier.type == "ARMATURE"]
     in_use = [modifier for modifier in armatures if is_on(modifier)]
     return (in_use or armatures or [None])[-1]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
+from types import ModuleType
+
 import bpy
 import numpy as np
 import pytest
@@ -13,6 +16,11 @@ from tube import LAST_FRAME, LENGTH, add_turgor, character, select
 FRAME = 15
 # Of the tube's length: matrices and positions at other scales round differently.
 SAME_SHAPE = 1e-6
+
+
+@pytest.fixture
+def placement(package: ModuleType) -> ModuleType:
+    return importlib.import_module("addon.scene.placement")
 
 
 def _shape(ob: bpy.types.Object, frame: int = FRAME) -> np.ndarray:
@@ -49,6 +57,30 @@ def _mesh_child_of_a_scaled_rig(ob, rig):
 def _mesh_data_moved(ob, rig):
     ob.data.transform(Matrix.Translation((3.0, 0.0, -1.0)))
     ob.location = (-3.0, 0.0, 1.0)
+
+
+@pytest.mark.parametrize("rig_scale", [1.0, 100.0])
+@pytest.mark.parametrize("object_scale", [1.0, 1e-12])
+def test_armature_stands_where_its_matrix_says(placement, object_scale, rig_scale):
+    ob, rig = character()
+    for each, scale in ((ob, object_scale), (rig, object_scale * rig_scale)):
+        each.location, each.rotation_euler, each.scale = (3.0, -2.0, 1.0), (0.3, 1.0, -2.0), (scale,) * 3
+    bpy.context.view_layer.update()
+    world_from_object, world_from_armature = (np.array(each.matrix_world, np.float64) for each in (ob, rig))
+    found = placement.object_from_armature(ob, rig)
+    error = np.abs(world_from_object @ found - world_from_armature)
+    assert (error <= 1e-12 * np.abs(world_from_armature).max()).all()
+    if rig_scale == 1.0:
+        np.testing.assert_array_equal(found, np.eye(4))
+
+
+@pytest.mark.parametrize("axes", [(0.0, 1.0, 1.0), (0.0, 0.0, 0.0)])
+def test_armature_and_mesh_scaled_to_zero_stand_nowhere(placement, axes):
+    ob, rig = character()
+    ob.scale = rig.scale = axes
+    bpy.context.view_layer.update()
+    with pytest.raises(placement.PlacementError, match="scaled to zero"):
+        placement.object_from_armature(ob, rig)
 
 
 @pytest.mark.parametrize("preset", ["ISOTROPIC", "MUSCLE"])

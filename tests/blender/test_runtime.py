@@ -1,0 +1,27 @@
+"""What a session keeps between frames."""
+
+from __future__ import annotations
+
+import pytest
+
+
+def test_value_is_worked_out_once_and_only_when_asked(runtime):
+    found = []
+    value = runtime.Once(lambda: found.append(1) or len(found))
+    assert not found
+    assert value() == value() == 1
+
+
+def test_value_that_failed_is_asked_for_again(runtime):
+    answers = iter([ValueError("not yet"), None])
+
+    def work() -> None:
+        answer = next(answers)
+        if answer is not None:
+            raise answer
+
+    value = runtime.Once(work)
+    with pytest.raises(ValueError, match="not yet"):
+        value()
+    assert value() is None
+    assert value() is None
