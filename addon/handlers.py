@@ -106,7 +106,8 @@ def _redraw_panels() -> None:
     for window in bpy.context.window_manager.windows:
         if not window.screen.is_animation_playing:
             for area in window.screen.areas:
-                if area.type == "PROPERTIES":
+                has_sidebar = area.type == "VIEW_3D" and area.spaces.active.show_region_ui
+                if has_sidebar or area.type == "PROPERTIES":
                     area.tag_redraw()
 
 

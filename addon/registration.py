@@ -17,7 +17,8 @@ from .operators.spine import draw as draw_add_spine
 from .overlays import spine as spine_overlay
 from .overlays import volume as volume_overlay
 from .panels.display import TURGOR_PT_display, TURGOR_PT_performance
-from .panels.joints import TURGOR_UL_joints
+from .panels.joints import TURGOR_MT_joints, TURGOR_UL_joints
+from .panels.sidebar import TURGOR_PT_sidebar
 from .panels.spine import TURGOR_PT_spine, TURGOR_PT_spine_settings
 from .panels.volume import TURGOR_PT_settings, TURGOR_PT_volume
 
@@ -32,12 +33,14 @@ CLASSES = (
     OBJECT_OT_turgor_volume_measure,
     *JOINT_OPERATORS,
     TURGOR_UL_joints,
+    TURGOR_MT_joints,
     TURGOR_PT_volume,
     TURGOR_PT_settings,
     TURGOR_PT_display,
     TURGOR_PT_performance,
     TURGOR_PT_spine,
     TURGOR_PT_spine_settings,
+    TURGOR_PT_sidebar,
 )
 
 

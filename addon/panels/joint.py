@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
 SHARE_NAMES = ("Along Bone", "Sideways", "Inside")
 CURVES = (("curve_along", "Along Bone"), ("curve_sideways", "Sideways"), ("curve_inside", "Inside"))
@@ -14,19 +15,34 @@ def draw_joint(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
     if not 0 <= ob.turgor.active_joint < len(joints):
         return
     joint = joints[ob.turgor.active_joint]
-    layout.label(text=joint.name, icon="BONE_DATA")
+    edited, title = edited_settings(ob, joint)
+    layout.label(text=title, icon="BONE_DATA", translate=False)
     column = layout.column()
     column.use_property_split = True
-    column.prop(joint, "preset")
-    column.prop(joint, "strength")
-    column.prop(joint, "size")
-    column.prop(joint, "use_auto_shares")
+    column.prop(edited, "preset")
+    column.prop(edited, "strength")
+    column.prop(edited, "size")
+    column.prop(edited, "use_auto_shares")
     if not joint.use_auto_shares:
         shares = column.column(align=True)
         for index, name in enumerate(SHARE_NAMES):
-            shares.prop(joint, "shares", index=index, text=name, slider=True)
+            shares.prop(edited, "shares", index=index, text=name, slider=True)
     if joint.preset == "CUSTOM":
         _draw_curves(layout, joint, ob.turgor.curves)
+
+
+def edited_settings(ob: bpy.types.Object, joint: bpy.types.PropertyGroup) -> tuple[bpy.types.PropertyGroup, str]:
+    """What sliders change, and its title: the active joint, or with others selected all of them.
+
+    Joints of a library override are edited one by one: what stands for several is not saved, so not overridden.
+    """
+    joints = ob.turgor.joints
+    flags = [False] * len(joints)
+    joints.foreach_get("select", flags)
+    others = sum(flags) - joint.select
+    if not others or ob.override_library is not None:
+        return joint, joint.name
+    return ob.turgor.several, iface_("{name} and {count} more").format(name=joint.name, count=others)
 
 
 def _draw_curves(layout: bpy.types.UILayout, joint: bpy.types.PropertyGroup, tree: bpy.types.NodeTree | None) -> None:

@@ -10,14 +10,12 @@ from ..messages import signed_percent
 from .before_after import draw_before_after, is_after
 from .diagnostics import draw_findings
 from .joint import draw_joint
-from .joints import columns
+from .joints import draw_joints
 from .state import draw_timing
 
 PARENT_PANEL = "TURGOR_PT_volume"
 # An error from here on is rounded as roughly as that of plain skinning.
 VISIBLE_PERCENT = 0.005
-# Width of the list's scroll bar and frame, in widgets.
-LIST_MARGIN = 1.4
 
 
 class TURGOR_PT_volume(bpy.types.Panel):
@@ -39,11 +37,11 @@ class TURGOR_PT_volume(bpy.types.Panel):
         if not has_volume(ob):
             self.layout.operator("object.turgor_volume_add", text="Add Turgor Volume", icon="ADD")
             return
-        known = _known(ob)
+        known = known_of(ob)
         draw_before_after(self.layout, ob)
-        _draw_readout(self.layout, known, is_on=is_after(ob))
+        draw_readout(self.layout, known, is_on=is_after(ob))
         draw_findings(self.layout, context, known, "VOLUME")
-        _draw_joints(self.layout, context, ob)
+        draw_joints(self.layout, context, ob)
         draw_joint(self.layout, ob)
 
 
@@ -68,7 +66,7 @@ class TURGOR_PT_settings(bpy.types.Panel):
         buttons = self.layout.row(align=True)
         buttons.operator("object.turgor_volume_rebind", icon="FILE_REFRESH")
         buttons.operator("object.turgor_volume_remove", text="Remove", icon="X")
-        draw_timing(self.layout, _known(ob))
+        draw_timing(self.layout, known_of(ob))
 
 
 def has_volume(ob: bpy.types.Object | None) -> bool:
@@ -76,11 +74,13 @@ def has_volume(ob: bpy.types.Object | None) -> bool:
     return ob is not None and ob.type == "MESH" and ob.turgor.version > 0
 
 
-def _known(ob: bpy.types.Object) -> runtime.Character:
+def known_of(ob: bpy.types.Object) -> runtime.Character:
+    """What is known of the character in this session; nothing when it was never bound."""
     return runtime.session.characters.get(ob.session_uid, runtime.Character())
 
 
-def _draw_readout(layout: bpy.types.UILayout, known: runtime.Character, *, is_on: bool) -> None:
+def draw_readout(layout: bpy.types.UILayout, known: runtime.Character, *, is_on: bool) -> None:
+    """The volume error of the frame; on the second line without Turgor, or with it where it is off."""
     figures = known.figures
     if figures is None:
         return
@@ -96,13 +96,3 @@ def _draw_readout(layout: bpy.types.UILayout, known: runtime.Character, *, is_on
     line.alignment = "CENTER"
     line.active = False
     line.label(text=" ".join((beside, skinned if is_on else corrected)), translate=False)
-
-
-def _draw_joints(layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy.types.Object) -> None:
-    column = layout.column(align=True)
-    header = column.row()
-    header.active = False
-    for cell, text in zip(columns(header, context), ("Joint", "Skinning", "Turgor"), strict=False):
-        cell.label(text=text)
-    header.separator(factor=LIST_MARGIN)
-    column.template_list("TURGOR_UL_joints", "", ob.turgor, "joints", ob.turgor, "active_joint", rows=6)
