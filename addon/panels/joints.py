@@ -10,11 +10,12 @@ from ..messages import signed_percent
 # Losses below this many percent of the rest volume are drawn without emphasis.
 NOTABLE_PERCENT = 0.005
 # Below this many pixels, at a user interface scale of 1, the list has one column of numbers.
-NARROW_WIDTH = 330
-# Width of a row's tick and switches, of the list's scroll bar and of the buttons beside it, in widgets.
-TICK_WIDTH = 1.0
-SWITCHES_WIDTH = 2.1
-BESIDE_WIDTH = 1.6
+NARROW_WIDTH = 400
+# What a row has before and after its columns, the list's scroll bar included, in widgets; the header above, in
+# separators.
+TICK_WIDTH = 1.4
+SWITCHES_WIDTH = 3.2
+HEADER_HEIGHT = 3.2
 
 ORDERS = (
     ("MOTION", "Volume Lost over Frames", "Joints that lose most volume in the measured motion first"),
@@ -96,7 +97,7 @@ class TURGOR_UL_joints(bpy.types.UIList):
 def columns(layout: bpy.types.UILayout, context: bpy.types.Context) -> list[bpy.types.UILayout]:
     """Cells of a line: the joint, what skinning does to its volume, and where there is room what Turgor does."""
     is_narrow = context.region.width < NARROW_WIDTH * context.preferences.system.ui_scale
-    split = layout.split(factor=0.6 if is_narrow else 0.5)
+    split = layout.split(factor=0.68 if is_narrow else 0.5)
     cells = [split.row()]
     numbers = split.row()
     for _ in range(1 if is_narrow else 2):
@@ -113,7 +114,7 @@ def draw_joints(layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy.
     _draw_header(column, context)
     column.template_list("TURGOR_UL_joints", "", ob.turgor, "joints", ob.turgor, "active_joint", rows=6)
     beside = row.column(align=True)
-    beside.label()
+    beside.separator(factor=HEADER_HEIGHT)
     beside.menu("TURGOR_MT_joints", text="", icon="DOWNARROW_HLT")
     beside.separator()
     beside.operator("object.turgor_volume_measure", text="", icon="TIME")
@@ -144,10 +145,21 @@ class TURGOR_MT_joints(bpy.types.Menu):
 def _draw_header(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     header = layout.row(align=True)
     header.active = False
-    header.separator(factor=TICK_WIDTH * 3.0)
-    for cell, text in zip(columns(header, context), ("Joint", "Skinning", "Turgor"), strict=False):
-        cell.label(text=text)
-    header.separator(factor=SWITCHES_WIDTH * 3.0)
+    _draw_gap(header, TICK_WIDTH)
+    name, *numbers = columns(header, context)
+    name.label(text="Joint")
+    if len(numbers) == 1:
+        numbers[0].label(text="%", translate=False)
+    else:
+        for cell, text in zip(numbers, ("Skinning", "Turgor"), strict=True):
+            cell.label(text=text)
+    _draw_gap(header, SWITCHES_WIDTH)
+
+
+def _draw_gap(row: bpy.types.UILayout, width: float) -> None:
+    gap = row.row()
+    gap.ui_units_x = width
+    gap.label()
 
 
 def _draw_numbers(cells: list[bpy.types.UILayout], figures: runtime.JointFigures | None) -> None:
@@ -157,7 +169,8 @@ def _draw_numbers(cells: list[bpy.types.UILayout], figures: runtime.JointFigures
     is_notable = abs(figures.lost) >= NOTABLE_PERCENT
     for cell, value in zip(cells, (-figures.lost, figures.regained), strict=False):
         cell.active = is_notable
-        cell.label(text=signed_percent(value, 2), translate=False)
+        text = signed_percent(value, 2)
+        cell.label(text=text.removesuffix(" %") if len(cells) == 1 else text, translate=False)
 
 
 def _marked(joints: bpy.types.bpy_prop_collection[bpy.types.PropertyGroup], active: int) -> list[bool]:
