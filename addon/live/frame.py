@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-<<<<<<< HEAD
 from collections.abc import Callable
-from functools import cache
-=======
->>>>>>> 2d4d9be (A frame reads its placement, stack and figures with less Python: half the time of reading)
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -77,7 +73,6 @@ def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, a
     report = asked.engine.deform_into_address(address, bound.body.vertex_count, asked.pose_matrices, **asked.options)
     done = perf_counter()
     if not runtime.session.is_rendering:
-<<<<<<< HEAD
         _remember(target, known, bound, asked, lambda: report)
         known.timing = runtime.Timing(1e3 * (ready - started), 1e3 * (done - ready), 0.0)
 
@@ -106,16 +101,9 @@ def _remember(
 ) -> None:
     known.name = target.name
     target_scale = asked.options["target_scale"]
-    known.measure = measure = cache(lambda: _figures(report(), bound, asked.strengths, target_scale))
+    known.measure = measure = runtime.Once(lambda: _figures(report(), bound, asked.strengths, target_scale))
     uid = target.original.session_uid
-    known.inspect = cache(lambda: _inspect(known, uid, measure(), bound, asked.strengths))
-=======
-        strengths = bound.body.joint_strengths
-        known.measure = measure = runtime.Once(lambda: _figures(report, bound, strengths, saved.target_volume))
-        uid = target.original.session_uid
-        known.inspect = runtime.Once(lambda: _inspect(known, uid, measure(), bound, strengths))
-        known.timing = runtime.Timing(1e3 * (read - started), 1e3 * (done - read), 0.0)
->>>>>>> 2d4d9be (A frame reads its placement, stack and figures with less Python: half the time of reading)
+    known.inspect = runtime.Once(lambda: _inspect(known, uid, measure(), bound, asked.strengths))
 
 
 def engine_of(target: bpy.types.Object, saved: settings.BodySettings, bound: Bound) -> turgor.VolumeSkin:
