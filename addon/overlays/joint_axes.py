@@ -49,11 +49,17 @@ def draw_names(context: bpy.types.Context, ob: bpy.types.Object) -> None:
         return
     world = np.array(ob.matrix_world, np.float64)
     for axis, name in enumerate(NAMES):
-        place = location_3d_to_region_2d(context.region, context.region_data, _arrow(field, axis, world)[1])
-        if place is not None:
-            gap = 0.3 * text.unit()
-            color = (*text.theme_color()[:3], _color(axis, field.axes_share)[3])
-            text.write(iface_(name), place.x + gap, place.y - gap, color)
+        start, tip = (
+            location_3d_to_region_2d(context.region, context.region_data, point)
+            for point in _arrow(field, axis, world)[:2]
+        )
+        if start is None or tip is None:
+            continue
+        gap, label = 0.5 * text.unit(), iface_(name)
+        # Beyond the tip, never over the arrow.
+        left = tip.x + gap if tip.x >= start.x else tip.x - gap - text.width(label)
+        color = (*text.theme_color()[:3], _color(axis, field.axes_share)[3])
+        text.tag(label, left, tip.y - 0.35 * text.size(), color)
 
 
 def _field(ob: bpy.types.Object) -> Any:

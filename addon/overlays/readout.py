@@ -59,13 +59,13 @@ def _draw_joint(
     lost, regained = (signed_percent(value, 2) for value in (-joint.lost, joint.regained))
     line = f"{name}  {lost} / {regained}" if is_active else f"{lost} / {regained}"
     width, height = text.width(line), text.size()
-    gap = 0.4 * text.unit()
+    gap = 0.6 * text.unit()
     wanted = text.Rect(place.x + gap, place.y, place.x + gap + width, place.y + height)
     if any(_overlap(wanted, other) for other in taken):
         return
     taken.append(wanted)
     text.write("•", place.x - 0.5 * text.width("•"), place.y, text.theme_color(emphasised=is_active))
-    text.write(line, wanted.left, wanted.bottom, text.theme_color(emphasised=is_active))
+    text.tag(line, wanted.left, wanted.bottom, text.theme_color(emphasised=is_active))
 
 
 def _notable(joints: dict[str, runtime.JointFigures], active: str) -> list[str]:

@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 import blf
 import bpy
+import gpu
+from gpu_extras.batch import batch_for_shader
 
 FONT = 0
 Color = tuple[float, float, float, float]
@@ -13,8 +15,10 @@ Color = tuple[float, float, float, float]
 LINE_HEIGHT, LEFT_MARGIN, TOP_MARGIN = 0.9, 0.5, 0.1
 WIDGET = 20.0
 # Lines of the statistics overlay, with the gaps around them.
-STATISTICS_LINES = 8
-SHADOW = (0.0, 0.0, 0.0, 0.8)
+STATISTICS_LINES = 6
+# A shadow all around, of the opposite lightness; the level is Blender's for outlines. Over meshes, a ground as well.
+OUTLINE_LEVEL, OUTLINE_ALPHA = 6, 0.7
+TAG_ALPHA = 0.5
 
 
 class Rect(NamedTuple):
@@ -75,7 +79,7 @@ def first_line(context: bpy.types.Context, rect: Rect) -> tuple[float, float]:
 def theme_color(*, emphasised: bool = True) -> Color:
     """Of Blender's texts in the viewport."""
     red, green, blue = bpy.context.preferences.themes[0].view_3d.space.text_hi[:3]
-    return red, green, blue, 1.0 if emphasised else 0.65
+    return red, green, blue, 1.0 if emphasised else 0.8
 
 
 def size() -> float:
@@ -89,13 +93,35 @@ def width(text: str) -> float:
     return blf.dimensions(FONT, text)[0]
 
 
+def fill(rect: Rect, color: Color) -> None:
+    """A plain rectangle."""
+    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
+    shader.uniform_float("color", color)
+    corners = [(rect.left, rect.bottom), (rect.right, rect.bottom), (rect.left, rect.top), (rect.right, rect.top)]
+    gpu.state.blend_set("ALPHA")
+    batch_for_shader(shader, "TRI_STRIP", {"pos": corners}).draw(shader)
+    gpu.state.blend_set("NONE")
+
+
+def tag(text: str, x: float, y: float, color: Color) -> None:
+    """A line that lies over meshes of any color, on a ground of its own."""
+    margin = 0.25 * unit()
+    opposite = _opposite(color)
+    ground = Rect(x - margin, y - margin, x + width(text) + margin, y + 0.75 * size() + margin)
+    fill(ground, (opposite, opposite, opposite, TAG_ALPHA))
+    write(text, x, y, color)
+
+
+def _opposite(color: Color) -> float:
+    return 0.0 if sum(color[:3]) > 1.5 else 1.0
+
+
 def write(text: str, x: float, y: float, color: Color) -> float:
     """One line from its left end and baseline; its right end."""
     blf.size(FONT, size())
     blf.enable(FONT, blf.SHADOW)
-    # Dark text, on light viewports, needs none.
-    alpha = SHADOW[3] if sum(color[:3]) > 1.5 else 0.0
-    blf.shadow(FONT, 5, *SHADOW[:3], alpha)
+    opposite = _opposite(color)
+    blf.shadow(FONT, OUTLINE_LEVEL, opposite, opposite, opposite, OUTLINE_ALPHA * color[3])
     blf.shadow_offset(FONT, 0, 0)
     blf.color(FONT, *color)
     blf.position(FONT, round(x), round(y), 0)

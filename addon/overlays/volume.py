@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 
 from .. import runtime
-from . import heat, joint_axes, readout, text
+from . import graph, heat, joint_axes, readout, text
 from .characters import shown
 
 _handles: list[Any] = []
@@ -32,7 +32,10 @@ def draw_on_top() -> None:
         return
     context = bpy.context
     x = y = None
+    graphed = None
     for ob, known in shown(context):
+        if ob.turgor.display.show_graph and (graphed is None or ob == context.object):
+            graphed = ob, known
         display = ob.turgor.display
         if display.show_joint_readout:
             readout.draw_joints(context, ob, known)
@@ -45,6 +48,9 @@ def draw_on_top() -> None:
         if display.show_readout:
             y = readout.draw(ob, known, x, y)
         y = heat.draw_legend(context, ob, x, y)
+    # One graph has place: of the active character, or of the first.
+    if graphed is not None:
+        graph.draw(context, *graphed)
 
 
 def register() -> None:

@@ -282,6 +282,9 @@ TEXTS: dict[str, str] = {
     "volume {error}, Turgor is off": "Volumen {error}, Turgor ist aus",
     "without Turgor {error}": "ohne Turgor {error}",
     "with Turgor {error}": "mit Turgor {error}",
+    "press Measure Volume over Frames in the Turgor Volume panel": (
+        "Volumen über Bilder messen drücken, im Bereich Turgor Volume"
+    ),
     "Along the parent": "Entlang des übergeordneten",
     "Hinge": "Scharnier",
     "Inside of the bend": "Innen an der Beugung",
