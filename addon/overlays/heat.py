@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any, NamedTuple
 
 import bpy
@@ -96,10 +97,15 @@ def is_wanted(ob: bpy.types.Object) -> bool:
     return ob.turgor.display.heat != "NONE" and ob.mode in MODES
 
 
-def keep_only(uids: set[int]) -> None:
-    """Free what no viewport draws any more; heat maps are large."""
-    for uid in _drawn.keys() - uids:
+def keep_only(uids: Collection[int]) -> None:
+    """Free what belongs to no character any more."""
+    for uid in [uid for uid in _drawn if uid not in uids]:
         del _drawn[uid]
+
+
+def free(ob: bpy.types.Object) -> None:
+    """Heat maps are large: none is kept of a character that shows none."""
+    _drawn.pop(ob.session_uid, None)
 
 
 def _prepare(ob: bpy.types.Object) -> _Drawn | None:

@@ -15,6 +15,7 @@ _handles: list[Any] = []
 
 def draw_in_space() -> None:
     """In world space, over the mesh."""
+    heat.keep_only(runtime.session.characters)
     if not runtime.session.characters:
         return
     context = bpy.context
@@ -22,6 +23,8 @@ def draw_in_space() -> None:
         display = ob.turgor.display
         if heat.is_wanted(ob):
             heat.draw(context, ob)
+        else:
+            heat.free(ob)
         if display.show_axes:
             joint_axes.draw(context, ob)
 
