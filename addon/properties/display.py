@@ -35,8 +35,8 @@ class TurgorDisplay(bpy.types.PropertyGroup):
     )
     heat_range: FloatProperty(
         name="Range",
-        description="Value with the hottest color, in units of length, or as a part of 1 for volume; 0 takes the"
-        " largest of the frame",
+        description="Value with the hottest color, in units of length, or as a part of 1 for volume; 0 takes it"
+        " from the frame",
         min=0.0,
         soft_max=1.0,
         override=OVERRIDABLE,

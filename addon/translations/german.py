@@ -141,9 +141,8 @@ TEXTS: dict[str, str] = {
     "Opacity": "Deckkraft",
     "Opacity of the heat map": "Deckkraft der Farbkarte",
     "Range": "Bereich",
-    "Value with the hottest color, in units of length, or as a part of 1 for volume; 0 takes the"
-    " largest of the frame": (
-        "Wert mit der heißesten Farbe, in Längeneinheiten, bei Volumen als Teil von 1; 0 nimmt den größten des Bildes"
+    "Value with the hottest color, in units of length, or as a part of 1 for volume; 0 takes it from the frame": (
+        "Wert mit der heißesten Farbe, in Längeneinheiten, bei Volumen als Teil von 1; 0 nimmt ihn aus dem Bild"
     ),
     "Joint Axes": "Gelenkachsen",
     "Draw the three directions of the active joint: along the parent, the hinge, inside the bend": (
