@@ -96,6 +96,57 @@ TEXTS: dict[str, str] = {
     "Volume lost at which the second set is reached, as part of a tenth of the joint's length cubed": (
         "Verlorenes Volumen, bei dem der zweite Satz erreicht ist, als Teil von einem Zehntel der Gelenklänge hoch drei"
     ),
+    # List of joints, measuring
+    "Measure Volume over Frames": "Volumen über Bilder messen",
+    "Find the volume that skinning takes at each joint over the scene's frames, or its preview range;"
+    " rigs without animation are tried out by turning each joint": (
+        "Das Volumen finden, das die Verformung an jedem Gelenk über die Bilder der Szene oder ihren Vorschaubereich"
+        " nimmt; Rigs ohne Animation werden erprobt, indem jedes Gelenk gedreht wird"
+    ),
+    "Nothing moves in these frames: each joint was turned in turn instead": (
+        "In diesen Bildern bewegt sich nichts: Stattdessen wurde jedes Gelenk einmal gedreht"
+    ),
+    "Joints": "Gelenke",
+    "Copy to Selected": "Auf Auswahl übertragen",
+    "Give the selected joints all settings and curves of the active one": (
+        "Den gewählten Gelenken alle Einstellungen und Kurven des aktiven geben"
+    ),
+    "Mirror": "Spiegeln",
+    "Give the joints on the other side of the body, by the names of their bones, all settings and curves of the"
+    " active and the selected ones": (
+        "Den Gelenken auf der anderen Seite des Körpers, nach den Namen ihrer Knochen, alle Einstellungen und Kurven"
+        " des aktiven und der gewählten geben"
+    ),
+    "Select Joints": "Gelenke auswählen",
+    "Choose which joints are edited together": "Bestimmen, welche Gelenke gemeinsam geändert werden",
+    "Invert Selection": "Auswahl umkehren",
+    "Reset": "Zurücksetzen",
+    "Give the active and the selected joints the settings of a new one": (
+        "Dem aktiven und den gewählten Gelenken die Einstellungen eines neuen geben"
+    ),
+    "Select Bone": "Knochen auswählen",
+    "Enter Pose Mode and select the bone of the active joint": (
+        "In den Posenmodus gehen und den Knochen des aktiven Gelenks auswählen"
+    ),
+    "Joint of Active Bone": "Gelenk des aktiven Knochens",
+    "Show the settings of the joint at the armature's active bone": (
+        "Die Einstellungen des Gelenks am aktiven Knochen der Armatur zeigen"
+    ),
+    "Sort by": "Sortieren nach",
+    "Order of the joints": "Reihenfolge der Gelenke",
+    "Volume Lost over Frames": "Über Bilder verlorenes Volumen",
+    "Joints that lose most volume in the measured motion first": (
+        "Gelenke zuerst, die in der gemessenen Bewegung am meisten Volumen verlieren"
+    ),
+    "Volume Lost Now": "Jetzt verlorenes Volumen",
+    "Hierarchy": "Hierarchie",
+    "By the name of the bone": "Nach dem Namen des Knochens",
+    "Parents first, as the bones stand in the armature": "Eltern zuerst, wie die Knochen in der Armatur stehen",
+    "Show All": "Alle zeigen",
+    "Show joints that lose no volume too, at this frame or in the measured motion": (
+        "Auch Gelenke zeigen, die kein Volumen verlieren, weder in diesem Bild noch in der gemessenen Bewegung"
+    ),
+    "{name} and {count} more": "{name} und {count} weitere",
     # The character
     "Settings": "Einstellungen",
     "Solver": "Löser",
