@@ -1,0 +1,98 @@
+"""What a bake came to: its errors against the live result, frame by frame."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+
+# Of the text, so that others can tell what they read.
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class FrameError:
+    """One frame. Lengths in units of the object, and in parts of its size."""
+
+    frame: float
+    max_error: float
+    rms_error: float
+    max_error_relative: float
+    volume_error_relative: float  # of the baked mesh against the live one
+
+
+@dataclass
+class BakeReport:
+    """A bake. Sizes in bytes, lengths in units of the object."""
+
+    name: str
+    method: str
+    frames: str
+    frame_count: int
+    vertex_count: int
+    size: float  # diagonal of the mesh at rest
+    key_count: int = 0
+    byte_count: int = 0
+    seconds: float = 0.0
+    tolerance: float | None = None
+    held_out_error: float | None = None  # of frames that pose-driven keys were not made from
+    clamped_count: int = 0  # vertices, over all frames, where the target's skinning has no inverse
+    resumed_chunks: int = 0
+    notes: list[str] = field(default_factory=list)
+    errors: list[FrameError] = field(default_factory=list)
+
+    @property
+    def max_error(self) -> float:
+        """The largest of all measured frames; 0 where none was."""
+        return max((error.max_error for error in self.errors), default=0.0)
+
+    @property
+    def rms_error(self) -> float:
+        """Root of the mean square over all measured frames."""
+        squares = [error.rms_error**2 for error in self.errors]
+        return float(np.sqrt(np.mean(squares))) if squares else 0.0
+
+    @property
+    def volume_error_relative(self) -> float:
+        """The largest in size, with its sign."""
+        return max((error.volume_error_relative for error in self.errors), key=abs, default=0.0)
+
+    def as_json(self) -> str:
+        """All of it; the same report gives the same text."""
+        found: dict[str, Any] = {"format": FORMAT, **asdict(self)}
+        found |= {
+            "max_error": self.max_error,
+            "max_error_relative": self.max_error / self.size if self.size else 0.0,
+            "rms_error": self.rms_error,
+            "volume_error_relative": self.volume_error_relative,
+        }
+        return json.dumps(found, indent=1) + "\n"
+
+    def lines(self) -> list[str]:
+        """A few lines for a person."""
+        percent = 100.0 / self.size if self.size else 0.0
+        found = [f"{self.frame_count} frames ({self.frames}), {self.vertex_count} vertices"]
+        if self.key_count:
+            found.append(f"{self.key_count} shape keys")
+        found.append(f"{self.byte_count / 1e6:.1f} MB in {self.seconds:.1f} s")
+        if self.errors:
+            found.append(
+                f"Largest error {self.max_error * percent:.2g} % of the size, mean {self.rms_error * percent:.2g} %"
+            )
+            found.append(f"Volume within {100.0 * self.volume_error_relative:+.2g} %")
+        if self.held_out_error is not None:
+            found.append(f"Largest error on other poses {self.held_out_error * percent:.2g} %")
+        if self.clamped_count:
+            found.append(f"{self.clamped_count} times skinning flattened a vertex: its key was clamped")
+        return found + self.notes
+
+    def as_text(self) -> str:
+        """The lines, and one for each frame."""
+        rows = [
+            f"frame {error.frame:g}: max {error.max_error:.3e}, rms {error.rms_error:.3e},"
+            f" volume {error.volume_error_relative:+.3e}"
+            for error in self.errors
+        ]
+        return "\n".join([f"{self.name}: {self.method}", *self.lines(), *rows]) + "\n"

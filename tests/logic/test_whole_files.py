@@ -1,0 +1,132 @@
+"""Files are whole or not there; point caches and chunks go round and notice what is wrong."""
+
+from __future__ import annotations
+
+import errno
+import os
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from addon.logic import point_cache
+from addon.logic.chunk_store import ChunkStore
+from addon.logic.whole_file import WriteError, check_folder, written
+
+SAMPLES = np.random.default_rng(1).normal(size=(7, 5, 3)).astype(np.float32)
+
+
+def _names(folder: Path) -> list[str]:
+    return [path.name for path in folder.iterdir()]
+
+
+def test_a_failed_write_leaves_what_was_there_and_nothing_else(tmp_path: Path):
+    path = tmp_path / "kept"
+    with written(path) as file:
+        file.write(b"old")
+
+    def fail():
+        with written(path) as file:
+            file.write(b"new")
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        fail()
+    assert path.read_bytes() == b"old"
+    assert _names(tmp_path) == ["kept"]
+
+
+@pytest.mark.parametrize(
+    ("number", "words"), [(errno.ENOSPC, "No space left"), (errno.EROFS, "cannot be written"), (errno.EIO, "could not")]
+)
+def test_errors_of_the_system_say_what_to_do(tmp_path: Path, number: int, words: str):
+    def fail():
+        with written(tmp_path / "file"):
+            raise OSError(number, os.strerror(number))
+
+    with pytest.raises(WriteError, match=words):
+        fail()
+    assert not _names(tmp_path)
+
+
+def test_a_full_disk_is_told(tmp_path: Path):
+    """/dev/full takes nothing: the file that is written beside its place is there."""
+    if not Path("/dev/full").exists():
+        pytest.skip("no device that is always full")
+    (tmp_path / f"cache.{os.getpid()}.part").symlink_to("/dev/full")
+
+    def fill():
+        with written(tmp_path / "cache") as file:
+            file.write(bytes(1 << 20))
+
+    with pytest.raises(WriteError, match="No space left for cache"):
+        fill()
+    assert not (tmp_path / "cache").exists()
+
+
+def test_a_folder_that_cannot_be_written_is_refused_before_any_work(tmp_path: Path):
+    (tmp_path / "file").write_bytes(b"")
+    with pytest.raises(WriteError, match="is a file, need a folder"):
+        check_folder(tmp_path / "file")
+    with pytest.raises(WriteError, match="free space"):
+        check_folder(tmp_path, 1 << 60)
+    check_folder(tmp_path / "new", 10)
+    assert not _names(tmp_path / "new")
+
+
+def _write(path: Path, parts: list[np.ndarray], count: int = len(SAMPLES)) -> int:
+    with written(path) as file:
+        return point_cache.write(file, point_cache.Header(5, 3.5, 0.25, count), parts)
+
+
+def test_point_caches_go_round_whatever_the_chunks(tmp_path: Path):
+    sizes = [_write(tmp_path / "one.pc2", [SAMPLES]), _write(tmp_path / "many.pc2", [SAMPLES[:3], SAMPLES[3:]])]
+    assert (tmp_path / "one.pc2").read_bytes() == (tmp_path / "many.pc2").read_bytes()
+    assert sizes == [(tmp_path / "one.pc2").stat().st_size] * 2
+    header, samples = point_cache.read(tmp_path / "one.pc2")
+    assert header == point_cache.Header(5, 3.5, 0.25, 7)
+    assert np.array_equal(samples, SAMPLES)
+    assert struct.unpack_from("<12sii", (tmp_path / "one.pc2").read_bytes()) == (b"POINTCACHE2\0", 1, 5)
+
+
+@pytest.mark.parametrize("parts", [[SAMPLES[:6]], [SAMPLES, SAMPLES], [SAMPLES[:, :4]]], ids=["few", "many", "narrow"])
+def test_a_cache_with_a_missing_frame_is_not_written(tmp_path: Path, parts: list[np.ndarray]):
+    with pytest.raises(point_cache.PointCacheError):
+        _write(tmp_path / "cache.pc2", parts)
+    assert not _names(tmp_path)
+
+
+def test_a_cut_cache_is_refused(tmp_path: Path):
+    _write(tmp_path / "cache.pc2", [SAMPLES])
+    whole = (tmp_path / "cache.pc2").read_bytes()
+    for size in (0, 20, 32, len(whole) - 1):
+        (tmp_path / "cut.pc2").write_bytes(whole[:size])
+        with pytest.raises(point_cache.PointCacheError):
+            point_cache.read(tmp_path / "cut.pc2")
+
+
+def test_chunks_are_found_by_what_they_were_made_from(tmp_path: Path):
+    store = ChunkStore(tmp_path / "chunks")
+    assert store.find(0, "aa", SAMPLES.shape) is None
+    assert np.array_equal(store.put(0, "aa", SAMPLES), SAMPLES)
+    again = ChunkStore(tmp_path / "chunks")
+    found = again.find(0, "aa", SAMPLES.shape)
+    assert found is not None
+    assert np.array_equal(found, SAMPLES)
+    assert again.find(0, "bb", SAMPLES.shape) is None
+    assert again.find(1, "aa", SAMPLES.shape) is None
+    assert again.find(0, "aa", (1, 5, 3)) is None
+    assert again.found_count == 1
+    again.put(0, "bb", SAMPLES + 1)
+    assert again.find(0, "aa", SAMPLES.shape) is None
+    again.clear()
+    assert not (tmp_path / "chunks").exists()
+
+
+def test_a_broken_chunk_is_computed_anew(tmp_path: Path):
+    store = ChunkStore(tmp_path)
+    store.put(3, "aa", SAMPLES)
+    path = next(tmp_path.iterdir())
+    path.write_bytes(path.read_bytes()[:200])
+    assert store.find(3, "aa", SAMPLES.shape) is None
