@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from time import perf_counter
+from typing import NamedTuple
 
 import bpy
 import numpy as np
@@ -63,6 +64,24 @@ def added_offsets(target: bpy.types.Object, vertex_count: int) -> NDArray[np.flo
     if strength == 0.0 or not _fits(target, bound):
         return None
     return _Frame(target, bound).outcome().offsets * np.float32(strength)
+
+
+class Shape(NamedTuple):
+    """A body in one frame, before Turgor Spine and what that adds."""
+
+    positions: NDArray[np.float64]  # (N, 3) at rest, with its shape keys
+    offsets: NDArray[np.float32]  # (N, 3) at full strength
+    strength: float
+
+
+def read_shape(target: bpy.types.Object, bound: Bound) -> Shape:
+    """`target`: evaluated, with its spine; its mesh need not be. Raises ValueError where the binding does not fit."""
+    ours = spine_stack.spine_modifier(target)
+    if ours is None or not _fits(target, bound):
+        raise ValueError("The body is bound to another spine: press Rebind")
+    found = _Frame(target, bound)
+    strength = float(modifier_inputs.read_input(ours, node_group.STRENGTH))
+    return Shape(found.body.positions, found.outcome().offsets, strength)
 
 
 def _flesh(target: bpy.types.Object, known: runtime.Character, bound: Bound, address: int) -> None:

@@ -25,7 +25,11 @@ class FrameError(ValueError):
 
 def read_frame(target: bpy.types.Object) -> FrameInputs:
     """`target`: the evaluated character."""
-    rig = rig_of(target)
+    return read_inputs(target, rig_of(target))
+
+
+def read_inputs(target: bpy.types.Object, rig: bpy.types.Object) -> FrameInputs:
+    """Both evaluated."""
     return FrameInputs(read_pose(rig), placement.object_from_armature(target, rig), shape_keys.read_values(target))
 
 

@@ -43,7 +43,15 @@ def evaluated_apart(target: bpy.types.Object, frames: Iterable[float]) -> Iterat
     Each is to be read before the next is asked for. Drivers that name the artist's scene itself read it as it is now.
     Raises frame.FrameError without an armature.
     """
-    with _scene_apart(target, frame.rig_of(target)) as (scene, depsgraph):
+    rig = frame.rig_of(target)
+    return evaluated_after(target, frames, rig, drivers.character_sources(target, rig))
+
+
+def evaluated_after(
+    target: bpy.types.Object, frames: Iterable[float], rig: bpy.types.Object | None, sources: Iterable[drivers.Source]
+) -> Iterator[bpy.types.Object]:
+    """As `evaluated_apart`, with all bones of `rig` and what `sources` name evaluated."""
+    with _stand_in(rig, sources) as (scene, depsgraph):
         for number in frames:
             whole = floor(number)
             scene.frame_set(whole, subframe=number - whole)
@@ -51,21 +59,30 @@ def evaluated_apart(target: bpy.types.Object, frames: Iterable[float]) -> Iterat
 
 
 @contextmanager
-def _scene_apart(
-    target: bpy.types.Object, rig: bpy.types.Object
-) -> Iterator[tuple[bpy.types.Scene, bpy.types.Depsgraph]]:
+def scene_apart() -> Iterator[bpy.types.Scene]:
+    """A copy of the scene without its objects: frames may be set in it, and nobody is told."""
     with _without_handlers():
         scene = bpy.context.scene.copy()
+        try:
+            _empty(scene)
+            yield scene
+        finally:
+            bpy.data.scenes.remove(scene)
+
+
+@contextmanager
+def _stand_in(
+    rig: bpy.types.Object | None, sources: Iterable[drivers.Source]
+) -> Iterator[tuple[bpy.types.Scene, bpy.types.Depsgraph]]:
+    with scene_apart() as scene:
         mesh = bpy.data.meshes.new("Turgor Sample")
         stand_in = bpy.data.objects.new(mesh.name, mesh)
         try:
-            _empty(scene)
             scene.collection.objects.link(stand_in)
-            _need(stand_in, target, rig)
+            _need(stand_in, rig, sources)
             scene.frame_set(scene.frame_current)
             yield scene, scene.view_layers[0].depsgraph
         finally:
-            bpy.data.scenes.remove(scene)
             bpy.data.objects.remove(stand_in)
             bpy.data.meshes.remove(mesh)
 
@@ -79,12 +96,12 @@ def _empty(scene: bpy.types.Scene) -> None:
         scene.view_layers.remove(view_layer)
 
 
-def _need(stand_in: bpy.types.Object, target: bpy.types.Object, rig: bpy.types.Object) -> None:
+def _need(stand_in: bpy.types.Object, rig: bpy.types.Object | None, sources: Iterable[drivers.Source]) -> None:
     modifier = stand_in.modifiers.new("Pose", "ARMATURE")
     modifier.object = rig
     # By vertex groups only their bones would be evaluated.
     modifier.use_bone_envelopes = True
-    drivers.write_reader(stand_in, f'modifiers["{modifier.name}"].show_on_cage', drivers.character_sources(target, rig))
+    drivers.write_reader(stand_in, f'modifiers["{modifier.name}"].show_on_cage', sources)
 
 
 @contextmanager

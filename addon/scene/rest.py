@@ -61,6 +61,16 @@ def read_rest(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier, frame:
     return RestMesh(positions, offsets, corners, *weights, deltas)
 
 
+def rest_mesh(ob: bpy.types.Object, end: bpy.types.Modifier, frame: int) -> bpy.types.Mesh:
+    """A new mesh of the stack before `end` as it is at `frame`, shape keys at zero: the vertices of `read_rest`."""
+    with _apart(ob, end, frame) as (copy, view_layer):
+        shape_keys.set_all(copy.data.shape_keys, 0.0)
+        view_layer.update()
+        depsgraph = view_layer.depsgraph
+        evaluated = copy.evaluated_get(depsgraph)
+        return bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+
+
 def read_positions(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
     """(N, 3) object space."""
     positions = np.empty((len(mesh.vertices), 3), np.float32)
@@ -86,7 +96,7 @@ def _apart(
         if keys is not None:
             keys.animation_data_clear()
         for modifier in list(copy.modifiers)[first_removed:]:
-            _remove_with_drivers(copy, modifier)
+            remove_with_drivers(copy, modifier)
         copy.hide_viewport = False
         copy.show_only_shape_key = False
         scene.collection.objects.link(copy)
@@ -97,7 +107,8 @@ def _apart(
         bpy.data.meshes.remove(mesh)
 
 
-def _remove_with_drivers(ob: bpy.types.Object, modifier: bpy.types.Modifier) -> None:
+def remove_with_drivers(ob: bpy.types.Object, modifier: bpy.types.Modifier) -> None:
+    """Nothing of the modifier is left; keyframes in actions stay, for others may use them."""
     if ob.animation_data is not None:
         prefix = f'modifiers["{bpy.utils.escape_identifier(modifier.name)}"]'
         for curve in list(ob.animation_data.drivers):

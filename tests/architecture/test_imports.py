@@ -23,7 +23,8 @@ ALLOWED_PARTS = {
     "migrations": {"properties", "scene"},
     "live": JOINING,
     "handlers": JOINING | {"live", "migrations"},
-    "operators": JOINING | {"live"},
+    "bake": JOINING | {"live"},
+    "operators": JOINING | {"live", "bake"},
     # Without an engine only the panel that says so is shown.
     "__init__": {"registration", "panels"},
 }

@@ -1,0 +1,48 @@
+"""What the steps of a bake hand to each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..logic.bake_report import BakeReport
+from ..scene import frame
+from .options import Options
+from .spine_frames import SpineFrames
+from .volume_frames import VolumeFrames
+
+# Part of the work that is done when the live frames are computed, and when the copy is made.
+FRAMES_DONE, MADE = 0.4, 0.7
+
+
+class Progress(NamedTuple):
+    """How far a bake has come."""
+
+    part: float  # 0 to 1
+    text: str
+
+
+@dataclass
+class Baking:
+    """One bake under way."""
+
+    target: bpy.types.Object
+    source: VolumeFrames | SpineFrames
+    options: Options
+    report: BakeReport
+    chunks: list[NDArray[np.float32]] = field(default_factory=list)  # (S, N, 3) live positions, in order of the frames
+    inputs: list[frame.FrameInputs | None] = field(default_factory=list)  # (F,)
+    copy: bpy.types.Object | None = None  # carries the bake
+    last: str | None = None  # its modifier that shows the live positions; None: its keys do
+
+    @property
+    def size(self) -> float:
+        return self.report.size
+
+    def making(self, done: float, text: str) -> Progress:
+        """While the copy is made; done: 0 to 1."""
+        return Progress(FRAMES_DONE + (MADE - FRAMES_DONE) * done, text)

@@ -1,0 +1,38 @@
+"""What is to be baked, and how."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Method = Literal["ABSOLUTE", "CORRECTIVE", "REDUCED", "DRIVEN", "POINT_CACHE"]
+CORRECTIVE_METHODS = frozenset({"CORRECTIVE", "REDUCED", "DRIVEN"})
+
+
+class BakeError(ValueError):
+    """Why nothing is baked, and what to do."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """Settings of one bake."""
+
+    method: Method
+    frames: NDArray[np.float64]  # (F,) rising
+    # Largest error of reduced and driven keys, units of the object.
+    tolerance: float = 0.0
+    # Key values from 0 to 1 only, as some engines clamp them.
+    unit_values: bool = False
+    # The skinning that will play corrective keys: this many influences of each vertex, 0 for all, and blended linearly.
+    influences: int = 0
+    use_linear: bool = False
+    # Most pose-driven keys.
+    most_keys: int = 64
+    # Where caches, chunks and reports go; None: memory only.
+    folder: Path | None = None
+    verify: bool = True
+    name: str = ""

@@ -1,0 +1,48 @@
+"""Absolute shape keys: a copy without armature has one key per frame, and between two frames a part of both."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene import baked_copy, shape_key_writing, spine_stack, stack
+from .baking import Baking, Progress
+
+POSITION_BYTES = 12
+
+
+def absolute(baking: Baking) -> Iterator[Progress]:
+    """Makes the copy."""
+    source, frames = baking.source, baking.options.frames
+    baking.copy = baked_copy.make(
+        baking.target, source.end, source.bound_frame, own_modifiers(baking), baking.options.name
+    )
+    columns = {}
+    number = 0
+    for chunk in baking.chunks:
+        for positions in chunk:
+            name = shape_key_writing.add_key(baking.copy, f"Frame {frames[number]:g}", positions, 0.0, 1.0)
+            columns[name] = tent(frames, number)
+            number += 1
+        yield baking.making(number / len(frames), f"{number} of {len(frames)} keys")
+    shape_key_writing.key_values(baking.copy.data.shape_keys, columns)
+    baking.report.key_count = len(frames)
+    baking.report.byte_count = (len(frames) + 1) * baking.report.vertex_count * POSITION_BYTES
+
+
+def own_modifiers(baking: Baking, *, keep_armature: bool = False) -> list:
+    """Modifiers that a copy does without: ours, and the Armature unless its keys stand before it."""
+    target = baking.target
+    own = [stack.volume_modifier(target), spine_stack.spine_modifier(target)]
+    end = baking.source.end
+    if end.type == "ARMATURE" and not keep_armature:
+        own.append(end)
+    return [modifier for modifier in own if modifier is not None]
+
+
+def tent(frames: NDArray[np.float64], number: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Frames and values of the key of one frame: 1 there, 0 from its neighbours on. All keys sum to 1 at any time."""
+    around = frames[max(number - 1, 0) : number + 2]
+    return around, (around == frames[number]).astype(np.float64)

@@ -1,0 +1,76 @@
+"""Frames of Turgor Spine alone: each is fleshed as it is sampled, for the spine is made from what Blender evaluated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import runtime
+from ..live import spine_frame
+from ..logic import fingerprint
+from ..scene import drivers, frame, pose_samples, rest, spine_stack
+from .options import BakeError
+from .skinned_rest import skin_of
+
+
+class Sample(NamedTuple):
+    """One frame."""
+
+    inputs: frame.FrameInputs | None  # None where no Armature skins the body
+    positions: NDArray[np.float32]  # (N, 3) after Turgor Spine
+
+
+class SpineFrames:
+    """A body with Turgor Spine, its own bones' Armature before it or none."""
+
+    def __init__(self, target: bpy.types.Object) -> None:
+        known = runtime.spine(target.session_uid)
+        if known.body is None:
+            raise BakeError(f"{target.name}: Turgor Spine is not bound, see its panel")
+        self.end = spine_stack.rest_end(target)
+        self.own = spine_stack.spine_modifier(target)
+        for modifier in (self.end, self.own):
+            if not modifier.show_viewport:
+                raise BakeError(f"{modifier.name} of {target.name} is off in the viewport: turn it on")
+        self._target = target
+        self._bound = known.body
+        self._limb = spine_stack.limb_modifier(target)
+        self.bound_frame = target.turgor_spine.bound_frame
+        self.rest = rest.read_rest(target, self.end, self.bound_frame)
+        self._skin = None if self._limb is None else skin_of(target, self._limb, self.rest)
+
+    def sample(self, frames: NDArray[np.float64]) -> list[Sample]:
+        """Main thread only; the scene stays as it is."""
+        target, saved = self._target, self._target.turgor_spine
+        rig = saved.rig if saved.source == "BONES" else None
+        sources = [
+            drivers.Source("TRANSFORMS", "OBJECT", target, ""),
+            drivers.Source("SINGLE_PROP", "OBJECT", target, "turgor_spine.slide"),
+            *drivers.shape_key_sources(target.data.shape_keys),
+        ]
+        if rig is not None:
+            sources.append(drivers.Source("TRANSFORMS", "OBJECT", rig, ""))
+        else:
+            sources += drivers.curve_sources(saved.curve)
+        return [self._read(each) for each in pose_samples.evaluated_after(target, frames, rig, sources)]
+
+    def _read(self, evaluated: bpy.types.Object) -> Sample:
+        shape = spine_frame.read_shape(evaluated, self._bound)
+        inputs, positions = None, shape.positions
+        if self._skin is not None:
+            rig = evaluated.turgor_spine.rig
+            inputs = frame.read_inputs(evaluated, rig)
+            positions = self._skin.maps(inputs).moved(positions)
+        return Sample(inputs, (positions + shape.strength * shape.offsets.astype(np.float64)).astype(np.float32))
+
+    def fingerprint(self, samples: Sequence[Sample]) -> str:
+        """Of the positions themselves: sampling has computed them."""
+        return fingerprint.fingerprint([sample.positions for sample in samples], self._bound.content)
+
+    def positions(self, samples: Sequence[Sample]) -> NDArray[np.float32]:
+        """(F, N, 3) after Turgor Spine, object space."""
+        return np.stack([sample.positions for sample in samples])

@@ -1,0 +1,124 @@
+"""Frames of Turgor Volume: poses are sampled once, and the engine computes many of them at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import runtime
+from ..live import frame as live_frame
+from ..logic import fingerprint
+from ..scene import frame, modifier_inputs, node_group, pose_samples, rest, settings, stack
+from .options import BakeError
+
+
+class Sample(NamedTuple):
+    """One frame as Blender evaluated it."""
+
+    inputs: frame.FrameInputs
+    request: live_frame.Request
+    saved: settings.BodySettings
+    effect: float  # Strength of the modifier
+
+
+class VolumeFrames:
+    """A character with Turgor Volume."""
+
+    def __init__(self, target: bpy.types.Object) -> None:
+        known = runtime.character(target.session_uid)
+        if known.body is None:
+            raise BakeError(f"{target.name}: Turgor Volume is not bound, see its panel")
+        armature = stack.armature_modifier(target)
+        ours = stack.volume_modifier(target)
+        for modifier in (armature, ours):
+            if not modifier.show_viewport:
+                raise BakeError(f"{modifier.name} of {target.name} is off in the viewport: turn it on")
+        self._target = target
+        self._bound = known.body
+        self.end = armature
+        self.own = ours
+        self.rest = rest.read_rest(target, armature, target.turgor.bound_frame)
+        self.bound_frame = target.turgor.bound_frame
+
+    @property
+    def is_fleshed(self) -> bool:
+        """Whether Turgor Spine moves bones of this character."""
+        return self._bound.fleshed is not None
+
+    @property
+    def joint_bones(self) -> list[int]:
+        """Bones with a joint, parents first."""
+        return self._bound.body.joint_bones
+
+    def posed(self, poses: NDArray[np.float64]) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+        """(M, N, 3) of poses (M, B, 4, 4), without shape keys, as the character stands to its armature when bound.
+
+        The settings are those of the last sample. Beside it object_from_armature, (4, 4).
+        """
+        place = self._bound.placement
+        return self._bound.body.current_engine.deform_many(poses, object_from_armature=place), place
+
+    def sample(self, frames: NDArray[np.float64]) -> list[Sample]:
+        """Main thread only; the scene stays as it is."""
+        return [self._read(evaluated) for evaluated in pose_samples.evaluated_apart(self._target, frames)]
+
+    def _read(self, evaluated: bpy.types.Object) -> Sample:
+        strength = float(modifier_inputs.read_input(stack.volume_modifier(evaluated), node_group.STRENGTH))
+        request = live_frame.read(evaluated, self._bound)
+        return Sample(frame.read_frame(evaluated), request, settings.read_settings(evaluated), strength)
+
+    def fingerprint(self, samples: Sequence[Sample]) -> str:
+        """Of all that positions are computed from; the first of them stands for what is bound, and for the engine."""
+        arrays: list[object] = [self.positions(samples[:1])]
+        words: list[object] = [self._bound.content]
+        for sample in samples:
+            arrays += [sample.request.pose_matrices, *map(np.asarray, sample.request.options.values())]
+            for value in _flat(sample.saved):
+                (arrays if isinstance(value, np.ndarray) else words).append(value)
+            words.append(sample.effect)
+        return fingerprint.fingerprint(arrays, *words)
+
+    def positions(self, samples: Sequence[Sample]) -> NDArray[np.float32]:
+        """(F, N, 3) after Turgor Volume, object space. Safe on a worker thread."""
+        parts = []
+        for (_, is_fleshed), group in groupby(samples, key=_kind):
+            of_group = list(group)
+            parts.append(_one_by_one(of_group) if is_fleshed else _many(of_group))
+        return np.concatenate(parts)
+
+
+def _flat(value: object) -> Iterator[object]:
+    if isinstance(value, tuple):
+        for part in value:
+            yield from _flat(part)
+    else:
+        yield value
+
+
+def _kind(sample: Sample) -> tuple[int, bool]:
+    return id(sample.request.engine), "added_offsets" in sample.request.options
+
+
+def _many(samples: Sequence[Sample]) -> NDArray[np.float32]:
+    options = [sample.request.options for sample in samples]
+    shapes = [part["shape_values"] for part in options if "shape_values" in part]
+    return samples[0].request.engine.deform_many(
+        np.stack([sample.request.pose_matrices for sample in samples]),
+        object_from_armature=np.stack([part["object_from_armature"] for part in options]),
+        shape_values=np.stack(shapes) if shapes else None,
+        target_scale=[part["target_scale"] for part in options],
+        effect=[sample.effect for sample in samples],
+    )
+
+
+def _one_by_one(samples: Sequence[Sample]) -> NDArray[np.float32]:
+    made = []
+    for sample in samples:
+        found = sample.request.engine.deform(sample.request.pose_matrices, **sample.request.options)
+        made.append((found.skinned + sample.effect * found.offsets.astype(np.float64)).astype(np.float32))
+    return np.stack(made)

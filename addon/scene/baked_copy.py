@@ -1,0 +1,95 @@
+"""A plain copy of a character that carries a bake: modifiers before the Armature applied, ours gone, the rest kept."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from math import floor
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from . import pose_samples, rest
+
+
+def make(
+    target: bpy.types.Object, end: bpy.types.Modifier, frame: int, removed: Sequence[bpy.types.Modifier], name: str
+) -> bpy.types.Object:
+    """In the collections of `target`.
+
+    end: modifiers before it are applied, as they are at `frame`. removed: go without a trace.
+    """
+    mesh = rest.rest_mesh(target, end, frame)
+    copy = target.copy()
+    copy.name = mesh.name = name
+    modifiers = list(target.modifiers)
+    gone = [modifier.name for modifier in (*modifiers[: modifiers.index(end)], *removed)]
+    for member in gone:
+        rest.remove_with_drivers(copy, copy.modifiers[member])
+    copy.data = mesh
+    copy.property_unset("turgor")
+    copy.property_unset("turgor_spine")
+    if copy.parent_type == "ARMATURE":
+        # Blender would skin it once more.
+        copy.parent_type = "OBJECT"
+    local = [collection for collection in target.users_collection if collection.library is None]
+    for collection in local or [bpy.context.scene.collection]:
+        collection.objects.link(copy)
+    copy.select_set(False)
+    return copy
+
+
+def discard(copy: bpy.types.Object) -> None:
+    """With its mesh and the action of its keys."""
+    mesh = copy.data
+    keys = mesh.shape_keys
+    action = None if keys is None or keys.animation_data is None else keys.animation_data.action
+    bpy.data.objects.remove(copy)
+    if mesh.users == 0:
+        bpy.data.meshes.remove(mesh)
+    if action is not None and action.users == 0:
+        bpy.data.actions.remove(action)
+
+
+def follow_point_cache(copy: bpy.types.Object, path: str, first_frame: float, samples_per_frame: float, at: int) -> str:
+    """A Mesh Cache modifier at place `at` of the stack: its name. path: of a PC2 file, absolute or `//`."""
+    cache = copy.modifiers.new("Mesh Cache", "MESH_CACHE")
+    copy.modifiers.move(len(copy.modifiers) - 1, at)
+    cache.cache_format = "PC2"
+    cache.filepath = path
+    cache.play_mode, cache.time_mode, cache.interpolation = "SCENE", "FRAME", "LINEAR"
+    # Its place in the file is frame_scale * frame - frame_start.
+    cache.frame_start, cache.frame_scale = first_frame * samples_per_frame, samples_per_frame
+    return cache.name
+
+
+@contextmanager
+def watched(copy: bpy.types.Object, last: str | None) -> Iterator[Sampler]:
+    """Its positions after the modifier named `last`, None for before all, in a scene of its own."""
+    with pose_samples.scene_apart() as scene:
+        double = copy.copy()
+        try:
+            modifiers = list(double.modifiers)
+            first = 0 if last is None else modifiers.index(double.modifiers[last]) + 1
+            for modifier in modifiers[first:]:
+                rest.remove_with_drivers(double, modifier)
+            double.hide_viewport = False
+            scene.collection.objects.link(double)
+            yield Sampler(scene, double)
+        finally:
+            bpy.data.objects.remove(double)
+
+
+class Sampler:
+    """Positions of an object alone in a scene."""
+
+    def __init__(self, scene: bpy.types.Scene, ob: bpy.types.Object) -> None:
+        self._scene, self._ob = scene, ob
+
+    def positions(self, frame: float) -> NDArray[np.float32]:
+        """(N, 3) object space."""
+        whole = floor(frame)
+        self._scene.frame_set(whole, subframe=frame - whole)
+        depsgraph = self._scene.view_layers[0].depsgraph
+        return rest.read_positions(self._ob.evaluated_get(depsgraph).data)
