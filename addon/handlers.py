@@ -8,7 +8,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import migrations, runtime
-from .live import housekeeping, pull, push, route, shown, start
+from .live import housekeeping, pull, push, route, shown, start, strokes
 from .properties import carrier
 from .scene import node_group, stack
 
@@ -17,6 +17,7 @@ from .scene import node_group, stack
 def load_post(*_arguments: Any) -> None:
     runtime.forget_file()
     shown.forget()
+    strokes.forget()
     migrations.migrate(housekeeping.characters())
     start.start()
 
@@ -141,6 +142,7 @@ def register() -> None:
 def unregister() -> None:
     if bpy.app.timers.is_registered(follow_dragged_curve):
         bpy.app.timers.unregister(follow_dragged_curve)
+    strokes.forget()
     for event, handler in reversed(HANDLERS):
         getattr(bpy.app.handlers, event).remove(handler)
     carrier.TurgorCarrier.on_tick = staticmethod(carrier.ignore_tick)

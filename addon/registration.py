@@ -9,6 +9,7 @@ from .operators.add import OBJECT_OT_turgor_volume_add
 from .operators.add import draw as draw_add
 from .operators.fix import OBJECT_OT_turgor_volume_fix
 from .operators.joints import CLASSES as JOINT_OPERATORS
+from .operators.mask import OBJECT_OT_turgor_mask_paint
 from .operators.measure import OBJECT_OT_turgor_volume_measure
 from .operators.rebind import OBJECT_OT_turgor_volume_rebind
 from .operators.remove import OBJECT_OT_turgor_volume_remove
@@ -18,6 +19,7 @@ from .overlays import spine as spine_overlay
 from .overlays import volume as volume_overlay
 from .panels.display import TURGOR_PT_display, TURGOR_PT_performance
 from .panels.joints import TURGOR_MT_joints, TURGOR_UL_joints
+from .panels.masks import TURGOR_PT_masks
 from .panels.sidebar import TURGOR_PT_sidebar
 from .panels.spine import TURGOR_PT_spine, TURGOR_PT_spine_settings
 from .panels.volume import TURGOR_PT_settings, TURGOR_PT_volume
@@ -32,9 +34,11 @@ CLASSES = (
     OBJECT_OT_turgor_volume_fix,
     OBJECT_OT_turgor_volume_measure,
     *JOINT_OPERATORS,
+    OBJECT_OT_turgor_mask_paint,
     TURGOR_UL_joints,
     TURGOR_MT_joints,
     TURGOR_PT_volume,
+    TURGOR_PT_masks,
     TURGOR_PT_settings,
     TURGOR_PT_display,
     TURGOR_PT_performance,

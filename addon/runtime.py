@@ -119,11 +119,15 @@ class Character:
     signature: tuple[object, ...] = ()
     # What the last bind found, and the state of the stack around ours; why the last frame failed.
     bind_findings: tuple[Finding, ...] = ()
+    mask_findings: tuple[Finding, ...] = ()
     state_findings: tuple[Finding, ...] = ()
     state: tuple[object, ...] = ()
     failure: Finding | None = None
     logged: set[tuple[str, ...]] = field(default_factory=set)
     is_stale: bool = False
+    # What binding and reading the masks cost when it was last done.
+    bind_seconds: float = 0.0
+    mask_seconds: float = 0.0
     # Works out `figures`: called when a panel is drawn, since most frames are looked at by nobody.
     measure: Callable[[], Any] | None = None
     # Works out what is off in the last frame, as `measure`.
@@ -149,7 +153,8 @@ class Character:
         """All that is off now, the worst first; for panels, since those of the frame are worked out here."""
         inspect, failure = self.inspect, self.failure
         of_frame = () if inspect is None else inspect()
-        found = (*self.bind_findings, *(() if failure is None else (failure,)), *self.state_findings, *of_frame)
+        failed = () if failure is None else (failure,)
+        found = (*self.bind_findings, *failed, *self.mask_findings, *self.state_findings, *of_frame)
         return tuple(sorted(found, key=lambda finding: SEVERITIES.index(finding.severity)))
 
     @property

@@ -5,6 +5,7 @@ Bound engines are never saved. The same file gives the same binding in every ses
 
 from __future__ import annotations
 
+from time import perf_counter
 from typing import NamedTuple
 
 import bpy
@@ -29,7 +30,7 @@ from ..scene import (
     spine_stack,
     stack,
 )
-from . import findings, profiles
+from . import findings, masks, profiles
 from .binding_rules import BindError, check_topology, is_editable
 
 
@@ -44,6 +45,8 @@ class Bound(NamedTuple):
     tables: dict[int, Tables]  # Custom curves, by place of the joint
     fleshed: list[bool] | None  # per bone, whether Turgor Spine moves its flesh; None where it moves none
     unweighted_count: int  # vertices that no bone holds
+    group_names: tuple[str, ...]  # of all vertex groups
+    masked_by: tuple[str, bool, str]  # `masks.chosen`
 
 
 def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
@@ -54,6 +57,7 @@ def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
     known = runtime.character(target.session_uid)
     known.name = target.name
     known.signature = stack.signature(target)
+    started = perf_counter()
     found: list[runtime.Finding] = []
     try:
         with runtime.quiet():
@@ -63,7 +67,7 @@ def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
         found.append(findings.of_error(target, error))
     else:
         found += findings.of_shells(target, bound.body.shells) + findings.of_weights(target, bound.unweighted_count)
-    known.body = bound
+    known.body, known.mask_findings = bound, ()
     known.name = target.name
     if known.active_bone is None and bound is not None:
         known.active_bone = bone_choice.active_bone_name(stack.armature_modifier(target).object)
@@ -75,6 +79,9 @@ def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
         _set_in_renders(target, difference is None)
     runtime.set_bind_findings(known, target.name, tuple(found))
     refresh_state(target)
+    if bound is not None:
+        masks.set_findings(target)
+    known.bind_seconds = perf_counter() - started
     holder = carrier.carrier_of(target)
     if holder is not None:
         holder.turgor.carrier.mesh.update_tag()
@@ -132,26 +139,43 @@ def _bind(target: bpy.types.Object, before: Bound | None, accept_topology: bool)
         text = "The mesh has no vertices before the Armature modifier: give it some"
         raise BindError(obstacles.Obstacle("no_vertices", text))
     check_topology(target.turgor, read, accept=accept_topology)
+    skin = _skin(read, bones, group_names, armature)
+    # Groups that skin nothing, masks above all, may change without another engine.
     content = fingerprint.fingerprint(
-        [*read, *bones[1:]],
+        [read.positions, read.face_offsets, read.face_corners, read.shape_deltas, *skin.weights, *bones[1:]],
         bones.names,
-        group_names,
-        armature.vertex_group,
-        armature.invert_vertex_group,
+        None if skin.mask is None else skin.mask.tobytes(),
         armature.use_deform_preserve_volume,
     )
     if before is not None and is_editable(target):
         settings.rename_joints(target, _renamed(before.bones, bones))
+        settings.rename_groups(target, before.group_names, group_names)
     place = _placement(target, armature.object, is_changed=_is_changed(before, armature.object, content))
     if before is not None and before.content == content and (before.placement == place).all():
-        made, unweighted_count = before.body, before.unweighted_count
+        made = before.body
     else:
-        made, unweighted_count = _engine(read, bones, group_names, armature, place)
+        made = body.bind(
+            read.positions,
+            read.face_offsets,
+            read.face_corners,
+            bones.parents,
+            bones.rest_matrices,
+            bones.tails,
+            skin.weights,
+            skin.mask,
+            armature.use_deform_preserve_volume,
+            read.shape_deltas,
+            place,
+        )
+    masked_by, mask = masks.chosen(target), masks.read_mask(target)
+    if mask is not None or made.mask is not None:
+        made = made.masked(mask)
     if is_editable(target):
         _prepare_scene(target, armature.object, bones, made)
     fleshed = _fleshed(target, bones)
-    rig = armature.object.session_uid
-    return Bound(made, bones, rig, content, place, profiles.tables(target), fleshed, unweighted_count)
+    rig, tables = armature.object.session_uid, profiles.tables(target)
+    unweighted = weights.unweighted_count(*skin)
+    return Bound(made, bones, rig, content, place, tables, fleshed, unweighted, tuple(group_names), masked_by)
 
 
 def _fleshed(target: bpy.types.Object, bones: skeleton.RestBones) -> list[bool] | None:
@@ -178,34 +202,22 @@ def _placement(target: bpy.types.Object, rig: bpy.types.Object, *, is_changed: b
     return placement.object_from_armature(target, rig) if saved is None else saved
 
 
-def _engine(
-    read: rest.RestMesh,
-    bones: skeleton.RestBones,
-    group_names: list[str],
-    armature: bpy.types.ArmatureModifier,
-    object_from_armature: NDArray[np.float64],
-) -> tuple[body.Body, int]:
-    """The engine, and how many vertices no bone holds."""
+class _Skin(NamedTuple):
+    """What the Armature modifier goes by."""
+
+    weights: weights.BoneWeights
+    mask: NDArray[np.float32] | None  # (N,) its own vertex group
+
+
+def _skin(
+    read: rest.RestMesh, bones: skeleton.RestBones, group_names: list[str], armature: bpy.types.ArmatureModifier
+) -> _Skin:
     groups = (read.weight_offsets, read.weight_groups, read.weights)
     deform = {name: index for index, name in enumerate(bones.names) if bones.is_deform[index]}
     mask = None
     if armature.vertex_group in group_names:
         mask = weights.vertex_mask(*groups, group_names.index(armature.vertex_group), armature.invert_vertex_group)
-    bone_weights = weights.bone_weights(*groups, group_names, deform)
-    made = body.bind(
-        read.positions,
-        read.face_offsets,
-        read.face_corners,
-        bones.parents,
-        bones.rest_matrices,
-        bones.tails,
-        bone_weights,
-        mask,
-        armature.use_deform_preserve_volume,
-        read.shape_deltas,
-        object_from_armature,
-    )
-    return made, weights.unweighted_count(bone_weights, mask)
+    return _Skin(weights.bone_weights(*groups, group_names, deform), mask)
 
 
 def _renamed(before: skeleton.RestBones, after: skeleton.RestBones) -> dict[str, str]:

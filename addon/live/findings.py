@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import bpy
+import numpy as np
+from numpy.typing import NDArray
 
 from .. import runtime
 from ..logic.shells import Shells
@@ -79,6 +81,23 @@ def of_weights(target: bpy.types.Object, unweighted_count: int) -> list[Finding]
         "Vertices that no bone holds and that stay behind: {count:,}; give them weights", count=unweighted_count
     )
     return [finding(target, "WARNING", "unweighted", text, "SELECT_UNWEIGHTED")]
+
+
+def of_masks(target: bpy.types.Object, mask: NDArray[np.float32] | None, pinned_shells: int) -> list[Finding]:
+    """Groups that are gone or empty, and masks that leave nothing free. mask: (N,) None without any."""
+    saved = target.turgor
+    found = []
+    for name in dict.fromkeys((saved.vertex_group, saved.pin_group)):
+        if name and name not in target.vertex_groups:
+            text = message("There is no vertex group {group} any more: choose another, or clear the mask", group=name)
+            found.append(finding(target, "WARNING", "mask_group_missing", text, "CLEAR_GROUP", name))
+    if mask is not None and not mask.any():
+        text = "The masks pin all vertices, and the mesh shows plain skinning: paint weights into the groups"
+        found.append(finding(target, "WARNING", "all_pinned", text))
+    elif pinned_shells:
+        text = message("Parts that masks pin as a whole, which stay as skinned: {count}", count=pinned_shells)
+        found.append(finding(target, "INFO", "pinned_part", text))
+    return found
 
 
 def of_volume_state(target: bpy.types.Object) -> list[Finding]:

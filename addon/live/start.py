@@ -6,8 +6,10 @@ import bpy
 
 from .. import runtime
 from ..scene import carrier, drivers, node_group, spine_stack, stack
-from . import active_bones, binding, housekeeping, profiles, route, spine_binding, spine_housekeeping
+from . import active_bones, binding, housekeeping, masks, profiles, route, spine_binding, spine_housekeeping, strokes
 
+# Weights are bound anew after each stroke of the brush where it takes less.
+MOST_SECONDS_TO_BIND = 0.1
 # Modes in which the mesh is being changed; it is read when the artist leaves them.
 EDITING_MODES = frozenset({"EDIT", "SCULPT", "WEIGHT_PAINT", "VERTEX_PAINT", "TEXTURE_PAINT"})
 
@@ -80,12 +82,24 @@ def _keep_house(objects: list[bpy.types.Object]) -> None:
 def _follow_character(target: bpy.types.Object, *, is_edited: bool) -> None:
     known = runtime.character(target.session_uid)
     known.is_stale = known.is_stale or is_edited or known.signature != stack.signature(target)
+    if known.is_stale and target.mode not in EDITING_MODES:
+        _bind(target)
+        return
+    masks.follow(target, is_edited=is_edited)
     if not known.is_stale:
         follow_curves(target)
         binding.refresh_state(target)
-    elif target.mode not in EDITING_MODES:
-        known.is_stale = False
-        binding.bind(target)
+    elif is_edited and _is_skin_painted(target) and known.bind_seconds < MOST_SECONDS_TO_BIND:
+        strokes.after_stroke(target.session_uid, "bind", _bind)
+
+
+def _is_skin_painted(target: bpy.types.Object) -> bool:
+    return target.mode == "WEIGHT_PAINT" and not masks.is_painted(target)
+
+
+def _bind(target: bpy.types.Object) -> None:
+    runtime.character(target.session_uid).is_stale = False
+    binding.bind(target)
 
 
 def _follow_body(target: bpy.types.Object, *, is_edited: bool) -> None:

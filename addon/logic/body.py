@@ -52,7 +52,8 @@ class Body:
 
     def __init__(self, engine: turgor.VolumeSkin, flesh: Flesh) -> None:
         self.flesh = flesh
-        self._bound = engine
+        self._unmasked = self._bound = engine
+        self._mask: NDArray[np.float32] | None = None
         self._current: tuple[object, turgor.VolumeSkin, NDArray[np.float64]] = (None, engine, self._strengths(()))
 
     @property
@@ -84,6 +85,31 @@ class Body:
     def shells(self) -> shells.Shells:
         """What its parts are like; worked out anew."""
         return shells.describe(self._bound.mesh)
+
+    @property
+    def mask(self) -> NDArray[np.float32] | None:
+        """(N,) factor on how much each vertex moves."""
+        return self._mask
+
+    def masked(self, mask: NDArray[np.float32] | None) -> Body:
+        """The same binding under another mask, with the settings of the last frame."""
+        made = Body(self._unmasked, self.flesh)
+        key, engine, strengths = self._current
+        if mask is None:
+            return made
+        made._mask, made._bound = mask, self._unmasked.with_mask(mask)
+        made._current = (key, engine.with_mask(mask), strengths)
+        return made
+
+    @property
+    def pinned_shells(self) -> int:
+        """Shells that would be corrected, had the mask left any of their vertices free."""
+        mesh, mask = self._bound.mesh, self._mask
+        if mask is None:
+            return 0
+        free = np.zeros(len(mesh.components), bool)
+        free[np.unique(mesh.vertex_components[(mask > 0.0) & (mesh.vertex_components >= 0)])] = True
+        return sum(part.is_sound and not is_free for part, is_free in zip(mesh.components, free, strict=True))
 
     def with_settings(
         self, key: object, joints: Callable[[], Sequence[turgor.Joint]], solver: Solver, keep_bone_scale: bool

@@ -62,3 +62,18 @@ def vertex_mask(
     is_member = groups == group
     mask[vertices[is_member]] = weights[is_member]
     return 1.0 - mask if is_inverted else mask
+
+
+def effect_mask(
+    group: NDArray[np.float32] | None, is_inverted: bool, pin_group: NDArray[np.float32] | None
+) -> NDArray[np.float32] | None:
+    """(N,) how much of what it would move each vertex moves, 0 to 1; None where nothing masks.
+
+    group: (N,) weights of the group where volume may come back; pin_group: (N,) of vertices that stay as skinned.
+    """
+    if group is None and pin_group is None:
+        return None
+    mask = np.ones_like(pin_group) if group is None else 1.0 - group if is_inverted else group
+    if pin_group is not None:
+        mask = mask * (1.0 - pin_group)
+    return np.clip(mask, 0.0, 1.0)

@@ -36,7 +36,7 @@ class ShapeKeyTopologyError(ValueError):
 
 def read_rest(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier, frame: int) -> RestMesh:
     """Modifiers before the Armature are read as they are at `frame`, shape keys at zero and at one."""
-    with _apart(ob, armature, frame) as (copy, view_layer):
+    with apart(ob, armature, frame, ob.data.copy()) as (copy, view_layer):
         keys = copy.data.shape_keys
         shape_keys.set_all(keys, 0.0)
         evaluated = _evaluate(copy, view_layer)
@@ -80,21 +80,26 @@ def read_positions(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
 
 
 @contextmanager
-def _apart(
-    ob: bpy.types.Object, armature: bpy.types.ArmatureModifier, frame: int
+def apart(
+    ob: bpy.types.Object, end: bpy.types.Modifier | None, frame: int, mesh: bpy.types.Mesh
 ) -> Iterator[tuple[bpy.types.Object, bpy.types.ViewLayer]]:
-    first_removed = list(ob.modifiers).index(armature)
+    """A copy of the object with the modifiers before `end` only, alone in a scene at `frame`.
+
+    mesh: what the copy shows; removed with it unless somebody else uses it.
+    """
+    modifiers = list(ob.modifiers)
+    first_removed = len(modifiers) if end is None else modifiers.index(end)
     user_render = bpy.context.scene.render
     scene = bpy.data.scenes.new("Turgor Bind")
     copy = ob.copy()
-    mesh = copy.data = ob.data.copy()
-    keys = mesh.shape_keys
+    if mesh != ob.data:
+        copy.data = mesh
     try:
         scene.frame_current = frame
         scene.render.use_simplify = user_render.use_simplify
         scene.render.simplify_subdivision = user_render.simplify_subdivision
-        if keys is not None:
-            keys.animation_data_clear()
+        if mesh != ob.data and mesh.shape_keys is not None:
+            mesh.shape_keys.animation_data_clear()
         for modifier in list(copy.modifiers)[first_removed:]:
             remove_with_drivers(copy, modifier)
         copy.hide_viewport = False
@@ -104,7 +109,8 @@ def _apart(
     finally:
         bpy.data.scenes.remove(scene)
         bpy.data.objects.remove(copy)
-        bpy.data.meshes.remove(mesh)
+        if mesh.users == 0:
+            bpy.data.meshes.remove(mesh)
 
 
 def remove_with_drivers(ob: bpy.types.Object, modifier: bpy.types.Modifier) -> None:

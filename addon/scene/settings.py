@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import bpy
@@ -61,6 +62,17 @@ def rename_joints(target: bpy.types.Object, new_names: dict[str, str]) -> None:
     """Follow renamed bones."""
     for joint in target.turgor.joints:
         joint.name = new_names.get(joint.name, joint.name)
+
+
+def rename_groups(target: bpy.types.Object, before: Sequence[str], after: Sequence[str]) -> None:
+    """Let masks follow a vertex group that was renamed: it stands where another name stood."""
+    if len(before) != len(after):
+        return
+    new_names = {old: new for old, new in zip(before, after, strict=True) if old not in after and new not in before}
+    for setting in ("vertex_group", "pin_group"):
+        name = getattr(target.turgor, setting)
+        if name in new_names:
+            setattr(target.turgor, setting, new_names[name])
 
 
 def joint_names(target: bpy.types.Object) -> tuple[str, ...]:
