@@ -133,7 +133,7 @@ class Flesh:
         if self._skin is None:
             return Outcome(offsets, report.clamped_count, None)
         if keep_volume and pose.stretch:
-            found = self._skin.keep(offsets, bound.positions, bound.shape_values)
+            found = self._skin.keep(offsets, bound.shape_values)
             return Outcome(offsets, report.clamped_count, lambda: found)
         measure = self._skin.measure
         return Outcome(offsets, report.clamped_count, lambda: measure(offsets, bound.positions))

@@ -8,9 +8,6 @@ import numpy as np
 import turgor
 from numpy.typing import NDArray
 
-# Vertices of less than this part of the largest area do not move further than others.
-LEAST_AREA = 1e-6
-
 
 class Volumes(NamedTuple):
     """Totals of all shells, each counted positive."""
@@ -36,16 +33,11 @@ class Skin:
         # To the engine a skin without bones: all that moves it is added.
         still = turgor.Skinning(turgor.Skeleton([-1], [np.eye(4)]), np.zeros(len(positions) + 1, np.int32), [], [])
         deltas = shape_deltas if len(shape_deltas) else None
-        self._body = turgor.VolumeSkin(self._mesh, still, shape_deltas=deltas)
-        self._is_whole = bool((influence == 1.0).all())
-        self._may_move = influence * _evenly(self._mesh)
+        body = turgor.VolumeSkin(self._mesh, still, shape_deltas=deltas)
+        self._body = body if (influence == 1.0).all() else body.with_mask(influence.astype(np.float32))
 
-    def keep(
-        self, offsets: NDArray[np.float32], rest: NDArray[np.float64], shape_values: NDArray[np.float32]
-    ) -> Volumes:
-        """Adds to `offsets`, (N, 3), what each shell misses, evenly over its skin. rest: with its shape keys."""
-        if not self._is_whole:
-            return self._keep_in_part(offsets, rest)
+    def keep(self, offsets: NDArray[np.float32], shape_values: NDArray[np.float32]) -> Volumes:
+        """Adds to `offsets`, (N, 3), what each shell misses, evenly over the skin that may move."""
         correction = np.empty_like(offsets)
         report = self._body.deform_into(correction, [np.eye(4)], added_offsets=offsets, shape_values=shape_values)
         offsets += correction
@@ -56,21 +48,3 @@ class Skin:
         """The volumes with nothing given back."""
         before, after = (float(np.abs(self._mesh.component_volumes(p)).sum()) for p in (rest, rest + offsets))
         return Volumes(before, after, after)
-
-    def _keep_in_part(self, offsets: NDArray[np.float32], rest: NDArray[np.float64]) -> Volumes:
-        fleshed = rest + offsets
-        target, found = self._mesh.component_volumes(rest), self._mesh.component_volumes(fleshed)
-        components = self._mesh.vertex_components
-        moves = np.zeros(len(target), bool)
-        moves[components[(components >= 0) & (self._may_move > 0)]] = True
-        kept = turgor.correct(self._mesh, fleshed, np.where(moves, target, found), self._may_move)
-        np.subtract(kept, rest, out=offsets, casting="same_kind")
-        volumes = (target, found, self._mesh.component_volumes(kept))
-        return Volumes(*(float(np.abs(each).sum()) for each in volumes))
-
-
-def _evenly(mesh: turgor.Mesh) -> NDArray[np.float64]:
-    """(N,) factor on the volume's gradient that moves all of the skin alike; 0 where there is no skin."""
-    areas = np.linalg.norm(mesh.volume_gradient(mesh.rest_positions), axis=1)
-    most = areas.max(initial=0.0)
-    return 1.0 / np.maximum(areas, LEAST_AREA * most) if most > 0.0 else np.zeros(len(areas))
