@@ -5,11 +5,14 @@ from __future__ import annotations
 import bpy
 
 from .. import runtime
+from ..properties.tagging import take_changed
 from ..scene import carrier, drivers, node_group, spine_stack, stack
 from . import active_bones, binding, housekeeping, masks, profiles, route, spine_binding, spine_housekeeping, strokes
 
 # Weights are bound anew after each stroke of the brush where it takes less.
 MOST_SECONDS_TO_BIND = 0.1
+# After a setting was changed.
+SECONDS_TO_REST = 0.3
 # Modes in which the mesh is being changed; it is read when the artist leaves them.
 EDITING_MODES = frozenset({"EDIT", "SCULPT", "WEIGHT_PAINT", "VERTEX_PAINT", "TEXTURE_PAINT"})
 
@@ -80,8 +83,14 @@ def _keep_house(objects: list[bpy.types.Object]) -> None:
 
 
 def _follow_character(target: bpy.types.Object, *, is_edited: bool) -> None:
-    known = runtime.character(target.session_uid)
-    known.is_stale = known.is_stale or is_edited or known.signature != stack.signature(target)
+    uid = target.session_uid
+    known = runtime.character(uid)
+    is_other_stack = known.signature != stack.signature(target)
+    if take_changed(uid) and is_edited and known.body is not None and not (known.is_stale or is_other_stack):
+        # A slider is being dragged: whether its mesh changed too can be looked at afterwards.
+        strokes.when_quiet(uid, "bind", _bind, SECONDS_TO_REST)
+        is_edited = False
+    known.is_stale = known.is_stale or is_edited or is_other_stack
     if known.is_stale and target.mode not in EDITING_MODES:
         _bind(target)
         return
@@ -90,7 +99,7 @@ def _follow_character(target: bpy.types.Object, *, is_edited: bool) -> None:
         follow_curves(target)
         binding.refresh_state(target)
     elif is_edited and _is_skin_painted(target) and known.bind_seconds < MOST_SECONDS_TO_BIND:
-        strokes.after_stroke(target.session_uid, "bind", _bind)
+        strokes.after_stroke(uid, "bind", _bind)
 
 
 def _is_skin_painted(target: bpy.types.Object) -> bool:
@@ -98,7 +107,11 @@ def _is_skin_painted(target: bpy.types.Object) -> bool:
 
 
 def _bind(target: bpy.types.Object) -> None:
-    runtime.character(target.session_uid).is_stale = False
+    strokes.drop(target.session_uid, "bind")
+    known = runtime.character(target.session_uid)
+    known.is_stale = target.mode in EDITING_MODES - {"WEIGHT_PAINT"}
+    if known.is_stale:
+        return  # it is read when the mode is left
     binding.bind(target)
 
 

@@ -1,4 +1,4 @@
-"""Work that follows the brush: done at once where it is cheap, else a little later, and the last dab is never lost."""
+"""Work that follows the hand: done at once where it is cheap, else a little later, and the last of it is never lost."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from .. import runtime
 
 # How often waiting work is looked at.
 SECONDS_BETWEEN_LOOKS = 0.03
+# Without a window no timer runs.
+CAN_WAIT = not bpy.app.background
 
 Work = Callable[[bpy.types.Object], None]
 
@@ -39,6 +41,19 @@ def soon(uid: int, name: str, work: Work, pause: float) -> None:
 def after_stroke(uid: int, name: str, work: Work) -> None:
     """Do `work` on the object when the brush is lifted."""
     _wait(uid, name, _Waiting(work, 0.0, after_stroke=True))
+
+
+def when_quiet(uid: int, name: str, work: Work, pause: float) -> None:
+    """Do `work` on the object when this was not asked for `pause` seconds."""
+    if CAN_WAIT:
+        _wait(uid, name, _Waiting(work, perf_counter() + pause, after_stroke=False))
+    else:
+        _do(uid, name, work)
+
+
+def drop(uid: int, name: str) -> None:
+    """It was done otherwise."""
+    _waiting.pop((uid, name), None)
 
 
 def finish(*, is_stroking: bool = False) -> float | None:
