@@ -68,7 +68,6 @@ def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
     else:
         found += findings.of_shells(target, bound.body.shells) + findings.of_weights(target, bound.unweighted_count)
     known.body, known.mask_findings = bound, ()
-    known.name = target.name
     if known.active_bone is None and bound is not None:
         known.active_bone = bone_choice.active_bone_name(stack.armature_modifier(target).object)
     difference = obstacles.render_difference(target, stack.armature_modifier(target))
