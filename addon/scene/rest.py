@@ -63,7 +63,7 @@ def read_rest(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier, frame:
 
 def rest_mesh(ob: bpy.types.Object, end: bpy.types.Modifier, frame: int) -> bpy.types.Mesh:
     """A new mesh of the stack before `end` as it is at `frame`, shape keys at zero: the vertices of `read_rest`."""
-    with _apart(ob, end, frame) as (copy, view_layer):
+    with apart(ob, end, frame, ob.data.copy()) as (copy, view_layer):
         shape_keys.set_all(copy.data.shape_keys, 0.0)
         view_layer.update()
         depsgraph = view_layer.depsgraph
