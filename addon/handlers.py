@@ -8,7 +8,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import migrations, runtime
-from .live import housekeeping, pull, push, route, shown, start, strokes
+from .live import housekeeping, profiles, pull, push, route, shown, start, strokes
 from .properties import carrier
 from .scene import node_group, stack
 
@@ -20,6 +20,12 @@ def load_post(*_arguments: Any) -> None:
     strokes.forget()
     migrations.migrate(housekeeping.characters())
     start.start()
+
+
+@persistent
+def blend_import_post(*_arguments: Any) -> None:
+    if not _is_idle():
+        migrations.migrate(housekeeping.characters())
 
 
 @persistent
@@ -74,7 +80,7 @@ def render_end(*_arguments: Any) -> None:
 def follow_dragged_curve() -> float:
     """A timer: while the artist drags a point of a curve, Blender tells nobody."""
     ob = None if _is_idle() or runtime.session.is_rendering else getattr(bpy.context, "object", None)
-    if ob is None or not start.follow_curves(ob):
+    if ob is None or not start.follow_shown_curves(ob):
         return SECONDS_BETWEEN_LOOKS
     return SECONDS_BETWEEN_DRAGS
 
@@ -114,10 +120,11 @@ def _redraw_panels() -> None:
 
 # How often the active object is looked at: without, and with curves that may be dragged.
 SECONDS_BETWEEN_LOOKS = 0.5
-SECONDS_BETWEEN_DRAGS = 0.05
+SECONDS_BETWEEN_DRAGS = 1 / 30
 
 HANDLERS = (
     ("load_post", load_post),
+    ("blend_import_post", blend_import_post),
     ("frame_change_pre", frame_change_pre),
     ("frame_change_post", frame_change_post),
     ("depsgraph_update_post", depsgraph_update_post),
@@ -133,6 +140,7 @@ def register() -> None:
     carrier.TurgorCarrier.on_tick = staticmethod(pull.on_tick)
     runtime.session.look = shown.look
     runtime.session.find_modifier = stack.volume_modifier
+    profiles.register()
     for event, handler in HANDLERS:
         getattr(bpy.app.handlers, event).append(handler)
     if not bpy.app.background:
@@ -145,6 +153,7 @@ def unregister() -> None:
     strokes.forget()
     for event, handler in reversed(HANDLERS):
         getattr(bpy.app.handlers, event).remove(handler)
+    profiles.unregister()
     carrier.TurgorCarrier.on_tick = staticmethod(carrier.ignore_tick)
     shown.forget()
     runtime.session = runtime.Session()

@@ -7,6 +7,7 @@ import bpy
 from . import handlers, properties, translations
 from .operators.add import OBJECT_OT_turgor_volume_add
 from .operators.add import draw as draw_add
+from .operators.curves import OBJECT_OT_turgor_curves_reset
 from .operators.fix import OBJECT_OT_turgor_volume_fix
 from .operators.joints import CLASSES as JOINT_OPERATORS
 from .operators.mask import OBJECT_OT_turgor_mask_paint
@@ -17,6 +18,7 @@ from .operators.spine import OBJECT_OT_turgor_spine_add, OBJECT_OT_turgor_spine_
 from .operators.spine import draw as draw_add_spine
 from .overlays import spine as spine_overlay
 from .overlays import volume as volume_overlay
+from .panels.curves import TURGOR_PT_curves
 from .panels.display import TURGOR_PT_display, TURGOR_PT_performance
 from .panels.joints import TURGOR_MT_joints, TURGOR_UL_joints
 from .panels.masks import TURGOR_PT_masks
@@ -28,6 +30,7 @@ CLASSES = (
     OBJECT_OT_turgor_volume_add,
     OBJECT_OT_turgor_volume_remove,
     OBJECT_OT_turgor_volume_rebind,
+    OBJECT_OT_turgor_curves_reset,
     OBJECT_OT_turgor_spine_add,
     OBJECT_OT_turgor_spine_remove,
     OBJECT_OT_turgor_spine_rebind,
@@ -38,6 +41,7 @@ CLASSES = (
     TURGOR_UL_joints,
     TURGOR_MT_joints,
     TURGOR_PT_volume,
+    TURGOR_PT_curves,
     TURGOR_PT_masks,
     TURGOR_PT_settings,
     TURGOR_PT_display,

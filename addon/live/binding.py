@@ -15,7 +15,6 @@ from turgor import TurgorError
 
 from .. import runtime
 from ..logic import body, fingerprint, weights
-from ..logic.joints import Tables
 from ..messages import message
 from ..scene import (
     bone_choice,
@@ -42,7 +41,7 @@ class Bound(NamedTuple):
     rig: int  # session uid of the armature's object
     content: str  # fingerprint of the mesh, weights and bones that were bound
     placement: NDArray[np.float64]  # (4, 4) object_from_armature that was bound
-    tables: dict[int, Tables]  # Custom curves, by place of the joint
+    curves: profiles.Curves
     fleshed: list[bool] | None  # per bone, whether Turgor Spine moves its flesh; None where it moves none
     unweighted_count: int  # vertices that no bone holds
     group_names: tuple[str, ...]  # of all vertex groups
@@ -102,19 +101,16 @@ def refresh_state(target: bpy.types.Object) -> None:
         runtime.log_findings(known, target.name, known.state_findings)
 
 
-def refresh_tables(target: bpy.types.Object) -> None:
+def refresh_curves(target: bpy.types.Object) -> None:
     """Read the Custom curves again; tag the character when they changed."""
     known = runtime.character(target.session_uid)
     if known.body is None:
         return
-    tables = profiles.tables(target)
-    if fingerprint.fingerprint(_flat(tables)) != fingerprint.fingerprint(_flat(known.body.tables)):
-        known.body = known.body._replace(tables=tables)
+    before = known.body.curves
+    found = profiles.read(target, before)
+    if found.stamps != before.stamps:
+        known.body = known.body._replace(curves=found)
         carrier.carrier_of(target).turgor.carrier.mesh.update_tag()
-
-
-def _flat(tables: dict[int, Tables]) -> list[object]:
-    return [part for place in sorted(tables) for part in ([place], *tables[place])]
 
 
 def _bind(target: bpy.types.Object, before: Bound | None, accept_topology: bool) -> Bound:
@@ -172,9 +168,9 @@ def _bind(target: bpy.types.Object, before: Bound | None, accept_topology: bool)
     if is_editable(target):
         _prepare_scene(target, armature.object, bones, made)
     fleshed = _fleshed(target, bones)
-    rig, tables = armature.object.session_uid, profiles.tables(target)
+    rig, curves = armature.object.session_uid, profiles.read(target)
     unweighted = weights.unweighted_count(*skin)
-    return Bound(made, bones, rig, content, place, tables, fleshed, unweighted, tuple(group_names), masked_by)
+    return Bound(made, bones, rig, content, place, curves, fleshed, unweighted, tuple(group_names), masked_by)
 
 
 def _fleshed(target: bpy.types.Object, bones: skeleton.RestBones) -> list[bool] | None:

@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 
 from .. import runtime
 from ..logic import figures, joints
-from ..properties.profiles import PRESETS
+from ..logic.profiles import Profiles, Tables
+from ..properties.profiles import PRESET_NAMES
 from ..scene import frame, settings
 from . import findings, spine_frame
 from .binding import Bound
 from .guard import guarded
-
-PRESET_NAMES = tuple(item[0].lower() for item in PRESETS)
 
 
 def correct(target: bpy.types.Object, address: int, vertex_count: int) -> bool:
@@ -118,15 +117,41 @@ def engine_of(target: bpy.types.Object, saved: settings.BodySettings, bound: Bou
 
 def _key(saved: settings.BodySettings, bound: Bound) -> object:
     arrays = tuple(array.tobytes() for array in saved.joints)
-    return arrays, saved.solver, saved.keep_bone_scale, id(bound.tables)
+    return arrays, saved.seconds, saved.solver, saved.keep_bone_scale, bound.curves.stamps
 
 
 def _joints(target: bpy.types.Object, saved: settings.BodySettings, bound: Bound) -> list[turgor.Joint]:
     index = {name: number for number, name in enumerate(bound.bones.names)}
-    bones = [index.get(name) for name in settings.joint_names(target)]
-    presets, strengths, sizes, use_auto_shares, shares = saved.joints
-    names = [PRESET_NAMES[preset] for preset in presets]
-    return joints.engine_joints(bones, names, strengths, sizes, use_auto_shares, shares, bound.tables)
+    arrays, tables = saved.joints, bound.curves.tables
+    strengths = joints.effective_strengths(arrays.strengths, arrays.is_muted, arrays.is_solo)
+    found = []
+    for place, name in enumerate(settings.joint_names(target)):
+        if name not in index:
+            continue
+        first = Profiles(
+            PRESET_NAMES[arrays.presets[place]],
+            PRESET_NAMES[arrays.curve_sources[place]],
+            None if arrays.use_auto_shares[place] else tuple(arrays.shares[place].tolist()),
+            tables.get((place, False)),
+        )
+        second = saved.seconds.get(place)
+        by_value = arrays.blend_modes[place] == settings.BLEND_BY_VALUE
+        joint = joints.JointSettings(
+            index[name],
+            float(strengths[place]),
+            float(arrays.sizes[place]),
+            first,
+            None if second is None else _second(second, tables.get((place, True))),
+            float(arrays.blends[place]) if by_value else None,
+            float(arrays.fold_losses[place]),
+        )
+        found.append(joints.engine_joint(joint))
+    return found
+
+
+def _second(saved: settings.SecondSet, tables: Tables | None) -> Profiles:
+    shares = None if saved.use_auto_shares else saved.shares
+    return Profiles(saved.preset, saved.curve_source, shares, tables)
 
 
 def _figures(

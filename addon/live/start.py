@@ -125,9 +125,21 @@ def _follow_body(target: bpy.types.Object, *, is_edited: bool) -> None:
         spine_binding.bind(target)
 
 
-def follow_curves(target: bpy.types.Object) -> bool:
-    """Use the target's own curves as they are drawn now; False when it has none."""
-    if stack.volume_modifier(target) is None or not profiles.has_custom(target):
+def follow_curves(target: bpy.types.Object) -> None:
+    """Use the target's own curves as they are drawn now."""
+    if stack.volume_modifier(target) is not None:
+        profiles.claim_edited(target)
+        binding.refresh_curves(target)
+
+
+def follow_shown_curves(target: bpy.types.Object) -> bool:
+    """The same for the active character, whose shown curves are drawn if they are not yet; False for other objects."""
+    if target.type != "MESH" or stack.volume_modifier(target) is None:
         return False
-    binding.refresh_tables(target)
+    shown = profiles.shown_set(target)
+    if shown is None:
+        return False
+    profiles.claim_edited(target)
+    profiles.prepare(shown)
+    binding.refresh_curves(target)
     return True

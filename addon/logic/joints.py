@@ -2,68 +2,53 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Literal
+from typing import NamedTuple
 
 import numpy as np
 import turgor
 from numpy.typing import NDArray
-from turgor import presets
 
-Preset = presets.PresetName | Literal["custom"]
-
-# Along the bone, sideways, inside; see `turgor.presets`.
-Tables = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+from . import profiles
+from .profiles import Profiles
 
 
-def engine_joint(
-    bone: int,
-    preset: Preset,
-    strength: float,
-    size: float,
-    shares: NDArray[np.float32] | None,
-    tables: Tables | None,
-) -> turgor.Joint:
-    """One joint; shares None: those of the preset. tables: curves of the Custom preset, None: the isotropic bell."""
-    parts = None if shares is None else normalised_shares(shares)
-    if preset == "custom":
-        return turgor.Joint(bone, "auto" if parts is None else parts, tables, strength=strength, size=size)
-    return presets.joint(preset, bone, shares=parts, strength=strength, size=size)
+class JointSettings(NamedTuple):
+    """One joint as saved."""
+
+    bone: int
+    strength: float
+    size: float
+    first: Profiles
+    second: Profiles | None  # None: no blend
+    blend: float | None  # part of the second set; None: as the joint loses volume
+    fold_loss: float
 
 
-def normalised_shares(shares: NDArray[np.float32]) -> presets.Shares:
-    """Parts that sum to one; "auto" when all are zero."""
-    total = float(shares.sum())
-    if total <= 0.0:
-        return "auto"
-    along, sideways, inside = (float(share) / total for share in shares)
-    return along, sideways, inside
+def engine_joint(joint: JointSettings) -> turgor.Joint:
+    """A preset that is not blended has its own exact shape: the isotropic one has no curves."""
+    first, second = joint.first, joint.second
+    parts, tables = profiles.parts(first), profiles.tables(first)
+    options = {}
+    if second is None:
+        if first.preset == "ISOTROPIC":
+            tables = None
+    elif joint.blend is None:
+        options = {"folded_profile": profiles.tables(second)[0], "folded_loss_relative": as_written(joint.fold_loss)}
+    else:
+        tables = profiles.mixed_tables(tables, profiles.tables(second), joint.blend)
+        parts = profiles.mixed_parts(parts, profiles.parts(second), joint.blend)
+    shares = profiles.engine_shares(parts)
+    return turgor.Joint(joint.bone, shares, tables, strength=joint.strength, size=joint.size, **options)
 
 
-def engine_joints(
-    bones: Sequence[int | None],
-    preset_names: Sequence[Preset],
-    strengths: NDArray[np.float32],
-    sizes: NDArray[np.float32],
-    use_auto_shares: NDArray[np.bool_],
-    shares: NDArray[np.float32],
-    tables: Mapping[int, Tables],
-) -> list[turgor.Joint]:
-    """(J,) settings in saved order; bones None: the bone is not in the rig. tables: by place in that order."""
-    return [
-        engine_joint(
-            bone,
-            preset_names[place],
-            float(strengths[place]),
-            float(sizes[place]),
-            None if use_auto_shares[place] else shares[place],
-            tables.get(place),
-        )
-        for place, bone in enumerate(bones)
-        if bone is not None
-    ]
+def effective_strengths(
+    strengths: NDArray[np.float32], is_muted: NDArray[np.bool_], is_solo: NDArray[np.bool_]
+) -> NDArray[np.float32]:
+    """(J,) 0 for joints that are muted, or not solo where another is."""
+    is_heard = ~is_muted & (is_solo if is_solo.any() else True)
+    return np.where(is_heard, strengths, np.float32(0.0))
 
 
-def preset_tables(preset: presets.PresetName) -> Tables:
-    """The curves that Custom starts from."""
-    return presets.profiles(preset)
+def as_written(value: float) -> float:
+    """A saved float32 as the artist wrote it: 0.1 is the engine's 0.1 to the last bit."""
+    return float(str(np.float32(value)))

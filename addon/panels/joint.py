@@ -1,20 +1,25 @@
-"""Settings of the active joint, with its curves when they are its own."""
+"""Settings of the active joint; its profile curves have a panel of their own."""
 
 from __future__ import annotations
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-SHARE_NAMES = ("Along Bone", "Sideways", "Inside")
-CURVES = (("curve_along", "Along Bone"), ("curve_sideways", "Sideways"), ("curve_inside", "Inside"))
+from ..properties.joint import TurgorJoint
+
+
+def active_joint(ob: bpy.types.Object) -> TurgorJoint | None:
+    """The joint chosen in the list."""
+    joints = ob.turgor.joints
+    place = ob.turgor.active_joint
+    return joints[place] if 0 <= place < len(joints) else None
 
 
 def draw_joint(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
     """Of the joint chosen in the list; nothing without one."""
-    joints = ob.turgor.joints
-    if not 0 <= ob.turgor.active_joint < len(joints):
+    joint = active_joint(ob)
+    if joint is None:
         return
-    joint = joints[ob.turgor.active_joint]
     edited, title = edited_settings(ob, joint)
     layout.label(text=title, icon="BONE_DATA", translate=False)
     column = layout.column()
@@ -22,13 +27,7 @@ def draw_joint(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
     column.prop(edited, "preset")
     column.prop(edited, "strength")
     column.prop(edited, "size")
-    column.prop(edited, "use_auto_shares")
-    if not joint.use_auto_shares:
-        shares = column.column(align=True)
-        for index, name in enumerate(SHARE_NAMES):
-            shares.prop(edited, "shares", index=index, text=name, slider=True)
-    if joint.preset == "CUSTOM":
-        _draw_curves(layout, joint, ob.turgor.curves)
+    _draw_silence(column, ob, joint)
 
 
 def edited_settings(ob: bpy.types.Object, joint: bpy.types.PropertyGroup) -> tuple[bpy.types.PropertyGroup, str]:
@@ -45,9 +44,8 @@ def edited_settings(ob: bpy.types.Object, joint: bpy.types.PropertyGroup) -> tup
     return ob.turgor.several, iface_("{name} and {count} more").format(name=joint.name, count=others)
 
 
-def _draw_curves(layout: bpy.types.UILayout, joint: bpy.types.PropertyGroup, tree: bpy.types.NodeTree | None) -> None:
-    for name, title in CURVES:
-        node = None if tree is None else tree.nodes.get(getattr(joint, name))
-        if node is not None:
-            layout.label(text=title)
-            layout.template_curve_mapping(node, "mapping")
+def _draw_silence(layout: bpy.types.UILayout, ob: bpy.types.Object, joint: TurgorJoint) -> None:
+    if joint.mute:
+        layout.label(text="Muted: it gives nothing back", icon="INFO")
+    elif not joint.is_solo and any(other.is_solo for other in ob.turgor.joints):
+        layout.label(text="Another joint is solo: it gives nothing back", icon="INFO")

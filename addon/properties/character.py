@@ -15,11 +15,12 @@ from bpy.props import (
 from .carrier import TurgorCarrier
 from .display import TurgorDisplay
 from .joint import TurgorJoint
+from .profiles import ProfileHooks
 from .several import TurgorSeveral
 from .tagging import OVERRIDABLE, tag
 
 # Version of the saved settings; `migrations` brings older files up to it.
-DATA_VERSION = 1
+DATA_VERSION = 2
 
 SOLVERS = (
     ("SIMULTANEOUS", "Simultaneous", "All joints at once: the order of bones never matters"),
@@ -27,12 +28,17 @@ SOLVERS = (
 )
 
 
+def _show_joint(saved: "TurgorObject", context: bpy.types.Context) -> None:
+    if 0 <= saved.active_joint < len(saved.joints):
+        ProfileHooks.on_shown(saved.joints[saved.active_joint].shown)
+
+
 class TurgorObject(bpy.types.PropertyGroup):
     """Settings of a character's mesh."""
 
     version: IntProperty(override=OVERRIDABLE, options={"HIDDEN"})
     joints: CollectionProperty(type=TurgorJoint, override=OVERRIDABLE | {"USE_INSERTION"})
-    active_joint: IntProperty(name="Active Joint", options={"HIDDEN"})
+    active_joint: IntProperty(name="Active Joint", update=_show_joint, options={"HIDDEN"})
     several: PointerProperty(type=TurgorSeveral)
     solver: EnumProperty(
         name="Solver",

@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty
 
-from .profiles import ProfileSet, TurgorProfiles
+from .profiles import ProfileHooks, ProfileSet, TurgorProfiles
 from .tagging import OVERRIDABLE, tag
 
 # Append only: files store the position.
@@ -12,6 +12,16 @@ BLENDS = (
     ("VALUE", "Value", "From the first set to the second by a value, which can be animated"),
     ("LOSS", "Volume Lost", "From the first set to the second as the joint loses volume: a bulge turns into folds"),
 )
+
+SETS = (
+    ("FIRST", "First", "Show the first set of profile curves"),
+    ("SECOND", "Second", "Show the second set of profile curves"),
+)
+
+
+def _show(joint: "TurgorJoint", context: bpy.types.Context) -> None:
+    tag(joint, context)
+    ProfileHooks.on_shown(joint.shown)
 
 
 class TurgorJoint(ProfileSet, bpy.types.PropertyGroup):
@@ -62,7 +72,7 @@ class TurgorJoint(ProfileSet, bpy.types.PropertyGroup):
         name="Blend",
         description="What leads from the first set of profile curves to the second",
         items=BLENDS,
-        update=tag,
+        update=_show,
         override=OVERRIDABLE,
         options=set(),
     )
@@ -76,6 +86,14 @@ class TurgorJoint(ProfileSet, bpy.types.PropertyGroup):
         override=OVERRIDABLE,
     )
     second: PointerProperty(type=TurgorProfiles, override=OVERRIDABLE)
+    shown_set: EnumProperty(
+        name="Set",
+        description="Which set of profile curves is shown",
+        items=SETS,
+        update=_show,
+        override=OVERRIDABLE,
+        options=set(),
+    )
     fold_loss: FloatProperty(
         name="Full at",
         description="Volume lost at which the second set is reached, as part of a tenth of the joint's length cubed",
@@ -88,3 +106,16 @@ class TurgorJoint(ProfileSet, bpy.types.PropertyGroup):
     )
     # Percent of the rest volume that the joint took at most over the measured motion; negative: never measured.
     peak_loss: FloatProperty(default=-1.0, override=OVERRIDABLE, options={"HIDDEN"})
+
+    @property
+    def shown(self) -> ProfileSet:
+        """The set whose curves are shown."""
+        return self.second if self.blend_mode != "NONE" and self.shown_set == "SECOND" else self
+
+    def follow_preset(self) -> None:
+        """Belly is a blend; another preset takes away what Belly brought, not what the artist chose."""
+        if self.preset == "BELLY":
+            self.blend_mode = "LOSS"
+            self.second.preset = "BELLY_FOLDED"
+        elif self.blend_mode == "LOSS" and self.second.preset == "BELLY_FOLDED":
+            self.blend_mode = "NONE"

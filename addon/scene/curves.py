@@ -1,6 +1,7 @@
-"""Profile curves: three Float Curve nodes per joint in one hidden node tree of the character.
+"""Profile curves: three Float Curve nodes per set of a joint in one hidden node tree of the character.
 
-A node's curve runs over 0..1, which stands for x from -1 to 1 of the joint's length.
+A node's curve runs over 0..1, which stands for x from -1 to 1 of the joint's length, or for |x| where it is symmetric.
+Each node remembers what was drawn into it, so that an artist's edit is told from a preset.
 """
 
 from __future__ import annotations
@@ -9,66 +10,117 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-SAMPLE_COUNT = 129
-# A curve gets points until it is this close to the table, in heights of the widget, but for the spacing below.
-FIT_TOLERANCE = 0.01
-MAX_POINTS = 48
-# Samples between two points at least: closer ones are no help to an artist.
-MIN_SPACING = 2
+from . import curve_points
 
-Tables = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+# Over x in [-1, 1]; a symmetric curve has the middle one and those of one side.
+SAMPLE_COUNT = 129
+HALF_COUNT = SAMPLE_COUNT // 2 + 1
+
+Table = NDArray[np.float64]
+Tables = tuple[Table, Table, Table]
 
 _NAMES = ("curve_along", "curve_sideways", "curve_inside")
+# Custom properties of a node: the preset that was drawn, its points then, and what 0..1 stands for.
+_PRESET, _POINTS, _IS_SYMMETRIC = "turgor_preset", "turgor_points", "turgor_is_symmetric"
+CUSTOM = "CUSTOM"
 
 
-def has_curves(joint: bpy.types.PropertyGroup, tree: bpy.types.NodeTree | None) -> bool:
-    """Whether the joint was Custom once."""
-    return tree is not None and all(getattr(joint, name) in tree.nodes for name in _NAMES)
+def nodes(profiles: bpy.types.PropertyGroup, tree: bpy.types.NodeTree | None) -> list[bpy.types.Node] | None:
+    """Along the bone, sideways, inside; None when the set has no curves."""
+    if tree is None:
+        return None
+    found = [tree.nodes.get(getattr(profiles, name)) for name in _NAMES]
+    return None if None in found else found
 
 
-def sample(joint: bpy.types.PropertyGroup, tree: bpy.types.NodeTree) -> Tables:
+def shows(profiles: bpy.types.PropertyGroup, tree: bpy.types.NodeTree | None, preset: str) -> bool:
+    """Whether all three curves were drawn for a preset, whatever the artist did since."""
+    found = nodes(profiles, tree)
+    return found is not None and all(node.get(_PRESET, CUSTOM) == preset for node in found)
+
+
+def is_edited(profiles: bpy.types.PropertyGroup, tree: bpy.types.NodeTree) -> bool:
+    """Whether any of the set's curves is not as it was drawn."""
+    found = nodes(profiles, tree) or ()
+    return any(_POINTS in node and node[_POINTS] != curve_points.digest(node.mapping) for node in found)
+
+
+def claim(profiles: bpy.types.PropertyGroup, tree: bpy.types.NodeTree) -> None:
+    """The set's curves are the artist's own from now on."""
+    for node in nodes(profiles, tree) or ():
+        node[_PRESET] = CUSTOM
+
+
+def digest(profiles: bpy.types.PropertyGroup, tree: bpy.types.NodeTree) -> str:
+    """Changes whenever `sample` does."""
+    return "".join(curve_points.digest(node.mapping) + str(is_symmetric(node)) for node in nodes(profiles, tree))
+
+
+def sample(profiles: bpy.types.PropertyGroup, tree: bpy.types.NodeTree) -> Tables:
     """(SAMPLE_COUNT,) each: along the bone, sideways, inside."""
-    along, sideways, inside = (_sample_node(tree.nodes[getattr(joint, name)]) for name in _NAMES)
+    along, sideways, inside = (sample_node(node) for node in nodes(profiles, tree))
     return along, sideways, inside
 
 
+def sample_node(node: bpy.types.Node) -> Table:
+    """(SAMPLE_COUNT,) over both sides."""
+    if not is_symmetric(node):
+        return curve_points.sample(node.mapping, SAMPLE_COUNT)
+    half = curve_points.sample(node.mapping, HALF_COUNT)
+    return np.concatenate([half[:0:-1], half])
+
+
+def is_symmetric(node: bpy.types.Node) -> bool:
+    """Whether the node's curve is that of both sides."""
+    return bool(node.get(_IS_SYMMETRIC, False))
+
+
 def ensure_tree(target: bpy.types.Object) -> bpy.types.ShaderNodeTree:
-    """The character's tree, made when it has none."""
+    """The character's tree, made when it has none; a library override gets its own in place of a linked one."""
     saved = target.turgor
     if saved.curves is None:
         saved.curves = bpy.data.node_groups.new(f".Turgor {target.name}", "ShaderNodeTree")
+    elif not is_own(saved.curves):
+        saved.curves = saved.curves.copy()
     return saved.curves
 
 
-def write(joint: bpy.types.PropertyGroup, tree: bpy.types.NodeTree, tables: Tables) -> None:
-    """Give the joint its three nodes, drawn after the tables."""
-    for name, table in zip(_NAMES, tables, strict=True):
-        node = tree.nodes.get(getattr(joint, name)) or tree.nodes.new("ShaderNodeFloatCurve")
-        node.label = f"{joint.name} {name.removeprefix('curve_')}"
-        setattr(joint, name, node.name)
-        _fit(node.mapping, table)
+def is_own(tree: bpy.types.NodeTree) -> bool:
+    """Whether what is drawn into the tree is saved with this file."""
+    return tree.library is None and tree.override_library is None
+
+
+def write(profiles: bpy.types.PropertyGroup, tree: bpy.types.NodeTree, tables: Tables, preset: str) -> None:
+    """Give the set its three nodes, drawn after the tables; one-sided ones show their mean over both sides."""
+    for axis, name in enumerate(_NAMES):
+        node = _own_node(profiles, tree, name)
+        write_node(node, tables[axis], is_symmetric=profiles.is_symmetric[axis], preset=preset)
+
+
+def write_node(node: bpy.types.Node, table: Table, *, is_symmetric: bool, preset: str) -> None:
+    """Draw one curve, from (SAMPLE_COUNT,) over both sides."""
+    curve_points.draw(node.mapping, folded(table)[HALF_COUNT - 1 :] if is_symmetric else table)
+    node[_IS_SYMMETRIC], node[_PRESET] = is_symmetric, preset
+    node[_POINTS] = curve_points.digest(node.mapping)
 
 
 def copy(source: bpy.types.PropertyGroup, profiles: bpy.types.PropertyGroup) -> None:
     """Give `profiles` the curves of `source`, point by point; nothing when that has none."""
-    given = source.id_data.turgor.curves
-    if not has_curves(source, given):
+    given = nodes(source, source.id_data.turgor.curves)
+    if given is None:
         return
     tree = ensure_tree(profiles.id_data)
-    for name in _NAMES:
-        node = tree.nodes.get(getattr(profiles, name)) or tree.nodes.new("ShaderNodeFloatCurve")
-        setattr(profiles, name, node.name)
-        _copy_mapping(given.nodes[getattr(source, name)].mapping, node.mapping)
+    for name, node in zip(_NAMES, given, strict=True):
+        own = _own_node(profiles, tree, name)
+        curve_points.copy(node.mapping, own.mapping)
+        for mark in (_PRESET, _POINTS, _IS_SYMMETRIC):
+            if mark in node:
+                own[mark] = node[mark]
 
 
-def _copy_mapping(given: bpy.types.CurveMapping, mapping: bpy.types.CurveMapping) -> None:
-    for name in ("extend", "clip_min_x", "clip_min_y", "clip_max_x", "clip_max_y", "use_clip"):
-        setattr(mapping, name, getattr(given, name))
-    points = given.curves[0].points
-    _write_points(mapping.curves[0], [tuple(point.location) for point in points])
-    for point, own in zip(points, mapping.curves[0].points, strict=True):
-        own.handle_type = point.handle_type
-    mapping.update()
+def folded(table: Table) -> Table:
+    """The symmetric table that is nearest: the mean of both sides."""
+    return 0.5 * (table + table[::-1])
 
 
 def make_single_user(target: bpy.types.Object, others: list[bpy.types.Object]) -> None:
@@ -86,49 +138,8 @@ def remove_tree(target: bpy.types.Object) -> None:
         bpy.data.node_groups.remove(tree)
 
 
-def _sample_node(node: bpy.types.ShaderNodeFloatCurve) -> NDArray[np.float64]:
-    mapping = node.mapping
-    mapping.initialize()
-    curve = mapping.curves[0]
-    return np.array([max(mapping.evaluate(curve, float(x)), 0.0) for x in np.linspace(0.0, 1.0, SAMPLE_COUNT)])
-
-
-def _fit(mapping: bpy.types.CurveMapping, table: NDArray[np.float64]) -> None:
-    """Draw the curve through the ends and the peak, then through where it is farthest from the table.
-
-    Points that later ones made needless are taken away again: artists drag few points better than many.
-    """
-    mapping.extend = "HORIZONTAL"
-    mapping.use_clip = True
-    mapping.clip_min_x, mapping.clip_min_y, mapping.clip_max_x, mapping.clip_max_y = 0.0, 0.0, 1.0, 1.0
-    peak = int(np.argmax(table))
-    places = {0, peak, len(table) - 1}
-    errors = _draw_through(mapping, table, places)
-    while errors.max() > FIT_TOLERANCE and len(places) < MAX_POINTS:
-        places.add(int(np.argmax(errors)))
-        errors = _draw_through(mapping, table, places)
-    for place in sorted(places - {0, peak, len(table) - 1}):
-        if _draw_through(mapping, table, places - {place}).max() <= FIT_TOLERANCE:
-            places.remove(place)
-    _draw_through(mapping, table, places)
-
-
-def _draw_through(mapping: bpy.types.CurveMapping, table: NDArray[np.float64], places: set[int]) -> NDArray[np.float64]:
-    """Distance from the table at each of its samples, 0 at the places."""
-    xs = np.linspace(0.0, 1.0, len(table))
-    _write_points(mapping.curves[0], [(xs[place], table[place]) for place in sorted(places)])
-    mapping.update()
-    errors = np.abs([mapping.evaluate(mapping.curves[0], float(x)) for x in xs] - table)
-    for place in places:
-        errors[max(place - MIN_SPACING, 0) : place + MIN_SPACING + 1] = 0.0
-    return errors
-
-
-def _write_points(curve: bpy.types.CurveMap, points: list[tuple[float, float]]) -> None:
-    while len(curve.points) > 2:
-        curve.points.remove(curve.points[1])
-    while len(curve.points) < len(points):
-        curve.points.new(0.5, 0.5)
-    for point, (x, y) in zip(curve.points, points, strict=True):
-        point.location = (x, y)
-        point.handle_type = "AUTO_CLAMPED"
+def _own_node(profiles: bpy.types.PropertyGroup, tree: bpy.types.NodeTree, name: str) -> bpy.types.Node:
+    node = tree.nodes.get(getattr(profiles, name)) or tree.nodes.new("ShaderNodeFloatCurve")
+    if getattr(profiles, name) != node.name:
+        setattr(profiles, name, node.name)
+    return node

@@ -9,21 +9,56 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+# Blend modes by their number in `properties.joint.BLENDS`.
+NO_BLEND, BLEND_BY_VALUE, BLEND_BY_LOSS = range(3)
+
 
 class JointArrays(NamedTuple):
-    """J joints in saved order."""
+    """J joints in saved order; presets by their number in `properties.profiles.PRESETS`."""
 
-    presets: NDArray[np.int32]  # (J,) place in `properties.profiles.PRESETS`
-    strengths: NDArray[np.float32]  # (J,)
-    sizes: NDArray[np.float32]  # (J,)
+    presets: NDArray[np.int32]  # (J,)
+    curve_sources: NDArray[np.int32]  # (J,)
     use_auto_shares: NDArray[np.bool_]  # (J,)
     shares: NDArray[np.float32]  # (J, 3)
+    strengths: NDArray[np.float32]  # (J,)
+    sizes: NDArray[np.float32]  # (J,)
+    is_muted: NDArray[np.bool_]  # (J,)
+    is_solo: NDArray[np.bool_]  # (J,)
+    blend_modes: NDArray[np.int32]  # (J,)
+    blends: NDArray[np.float32]  # (J,)
+    fold_losses: NDArray[np.float32]  # (J,)
+
+
+# Of the property, in the order of `JointArrays`: its name, how Blender stores it, and the shape of one.
+_FIELDS = (
+    ("preset", np.int32, ()),
+    ("curve_source", np.int32, ()),
+    ("use_auto_shares", bool, ()),
+    ("shares", np.float32, (3,)),
+    ("strength", np.float32, ()),
+    ("size", np.float32, ()),
+    ("mute", bool, ()),
+    ("is_solo", bool, ()),
+    ("blend_mode", np.int32, ()),
+    ("blend", np.float32, ()),
+    ("fold_loss", np.float32, ()),
+)
+
+
+class SecondSet(NamedTuple):
+    """What a joint blends into; presets by their names."""
+
+    preset: str
+    curve_source: str
+    use_auto_shares: bool
+    shares: tuple[float, float, float]
 
 
 class BodySettings(NamedTuple):
     """All of a character's settings."""
 
     joints: JointArrays
+    seconds: dict[int, SecondSet]  # by place of the joint, only of those that blend
     solver: str
     keep_bone_scale: bool
     target_volume: float
@@ -34,20 +69,16 @@ def read_settings(target: bpy.types.Object) -> BodySettings:
     saved = target.turgor
     joints = saved.joints
     count = len(joints)
-    arrays = JointArrays(
-        np.empty(count, np.int32),
-        np.empty(count, np.float32),
-        np.empty(count, np.float32),
-        np.empty(count, bool),
-        np.empty((count, 3), np.float32),
-    )
+    arrays = JointArrays(*(np.empty((count, *shape), kind) for _, kind, shape in _FIELDS))
     if count:
-        joints.foreach_get("preset", arrays.presets)
-        joints.foreach_get("strength", arrays.strengths)
-        joints.foreach_get("size", arrays.sizes)
-        joints.foreach_get("use_auto_shares", arrays.use_auto_shares)
-        joints.foreach_get("shares", arrays.shares.ravel())
-    return BodySettings(arrays, saved.solver, saved.keep_bone_scale, saved.target_volume)
+        for (name, _, _), array in zip(_FIELDS, arrays, strict=True):
+            joints.foreach_get(name, array.ravel())
+    seconds = {int(place): _read_second(joints[place].second) for place in np.flatnonzero(arrays.blend_modes)}
+    return BodySettings(arrays, seconds, saved.solver, saved.keep_bone_scale, saved.target_volume)
+
+
+def _read_second(profiles: bpy.types.PropertyGroup) -> SecondSet:
+    return SecondSet(profiles.preset, profiles.curve_source, profiles.use_auto_shares, tuple(profiles.shares))
 
 
 def add_joints(target: bpy.types.Object, bone_names: tuple[str, ...]) -> None:

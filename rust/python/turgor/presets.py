@@ -29,6 +29,11 @@ def bell(width: float = BELL_WIDTH, centre: float = 0.0) -> Profile:
     return np.exp(-(((_X - centre) / width) ** 2)) * (1.0 - _X**8)
 
 
+def _round() -> Profile:
+    """(1 - x²/8σ²)⁸: along each axis the round bell of a joint without curves; their product is near to it."""
+    return np.power(np.maximum(1.0 - np.square(_X / BELL_WIDTH) / 8.0, 0.0), 8.0)
+
+
 def _inside() -> Profile:
     return np.maximum(_X, 0.0)
 
@@ -48,7 +53,9 @@ DEFAULT_SHARES: dict[PresetName, Shares] = {
 
 def profiles(preset: PresetName) -> tuple[Profile, Profile, Profile]:
     """The three curves of a preset, along the parent, along the axis of the bend, towards its inside."""
-    if preset in ("isotropic", "rubber"):
+    if preset == "isotropic":
+        return _round(), _round(), _round()
+    if preset == "rubber":
         return bell(), bell(), bell()
     if preset == "muscle":
         return bell(centre=-MUSCLE_CENTRE), bell(), bell() * _inside()
@@ -58,6 +65,14 @@ def profiles(preset: PresetName) -> tuple[Profile, Profile, Profile]:
         x, y, z = (bell(width) for width in BELLY_WIDTHS)
         return x, y, z * _inside()
     raise ValueError(f"preset: found {preset!r}, need one of {', '.join(DEFAULT_SHARES)}")
+
+
+def folded_profiles(preset: PresetName) -> tuple[Profile, Profile, Profile] | None:
+    """The curves that a preset turns into as its joint loses volume; None where it keeps its own."""
+    if preset != "belly":
+        return None
+    _, y, z = profiles(preset)
+    return bell(BELLY_WIDTHS[0]) * _waves(FOLD_FREQUENCY), y, z
 
 
 def joint(
@@ -70,12 +85,12 @@ def joint(
 ) -> Joint:
     """The joint of a preset by name; shares None: those of the preset."""
     curves = None if preset == "isotropic" else profiles(preset)
-    folded = bell(BELLY_WIDTHS[0]) * _waves(FOLD_FREQUENCY) if preset == "belly" else None
+    folded = folded_profiles(preset)
     return Joint(
         bone,
         DEFAULT_SHARES[preset] if shares is None else shares,
         curves,
-        folded_profile=folded,
+        folded_profile=None if folded is None else folded[0],
         strength=strength,
         size=size,
     )
