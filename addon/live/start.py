@@ -132,14 +132,25 @@ def follow_curves(target: bpy.types.Object) -> None:
         binding.refresh_curves(target)
 
 
-def follow_shown_curves(target: bpy.types.Object) -> bool:
-    """The same for the active character, whose shown curves are drawn if they are not yet; False for other objects."""
-    if target.type != "MESH" or stack.volume_modifier(target) is None:
-        return False
-    shown = profiles.shown_set(target)
-    if shown is None:
-        return False
-    profiles.claim_edited(target)
-    profiles.prepare(shown)
-    binding.refresh_curves(target)
-    return True
+def follow_shown_curves(ob: bpy.types.Object) -> bool:
+    """The same for a character, or those of an armature, whose curves are shown: they are drawn if they are not yet.
+
+    False where the object has none.
+    """
+    shown = [(target, profiles.shown_set(target)) for target in _characters_of(ob)]
+    for target, profile_set in shown:
+        if profile_set is not None:
+            profiles.claim_edited(target)
+            profiles.prepare(profile_set)
+            binding.refresh_curves(target)
+    return any(profile_set is not None for _, profile_set in shown)
+
+
+def _characters_of(ob: bpy.types.Object) -> list[bpy.types.Object]:
+    if ob.type == "MESH":
+        return [ob] if stack.volume_modifier(ob) is not None else []
+    bodies = [known.body for known in list(runtime.session.characters.values()) if known.body is not None]
+    if not any(body.rig == ob.session_uid for body in bodies):
+        return []
+    armatures = ((target, stack.armature_modifier(target)) for target in housekeeping.characters())
+    return [target for target, armature in armatures if armature is not None and armature.object == ob]

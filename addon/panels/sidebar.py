@@ -6,6 +6,7 @@ import bpy
 
 from .. import runtime
 from .before_after import is_after
+from .curves import draw_curves
 from .joint import draw_joint
 from .joints import draw_joints
 from .volume import draw_readout, has_volume, known_of
@@ -35,6 +36,7 @@ class TURGOR_PT_sidebar(bpy.types.Panel):
             draw_readout(column, known_of(ob), is_on=is_after(ob))
             draw_joints(column, context, ob)
             draw_joint(column, ob)
+            draw_curves(self.layout, ob)
 
 
 def shown_characters(context: bpy.types.Context) -> list[bpy.types.Object]:
