@@ -176,7 +176,8 @@ impl Patches {
         for patch in &mut self.list {
             let owned = &mut self.local[patch.local.start..patch.local.start + patch.owned];
             let mut order: Vec<u32> = (0..patch.owned as u32).collect();
-            order.sort_by_key(|&place| !is_shared[owned[place as usize] as usize]);
+            // By number within each part: vertices that follow one another read neighbours in memory.
+            order.sort_by_key(|&place| (!is_shared[owned[place as usize] as usize], owned[place as usize]));
             patch.shared = owned.iter().filter(|&&point| is_shared[point as usize]).count();
             let mut renumbered: [u8; PATCH_POINTS] = std::array::from_fn(|place| place as u8);
             for (new, &old) in order.iter().enumerate() {

@@ -8,8 +8,7 @@ use crate::binding::Binding;
 use crate::correction::{Field, Hold};
 use crate::fields::{self, FieldRows, Move};
 use crate::joint::Joint;
-use crate::lanes::{self, V4, add};
-use crate::patches::PATCH_POINTS;
+use crate::lanes::{V4, add};
 use crate::split::{Ragged, for_each_piece};
 use crate::supports::Supports;
 use crate::sweeps::{Buffer, GRADIENT_PARTS};
@@ -59,10 +58,10 @@ impl Workspace {
             &|index, (gradient, profiled, holds, sums)| {
                 with_scratch(|scratch| {
                     let patch = &patches.list[index];
-                    let FieldRows { directions, volumes, lengths, unmasked, bell } = &mut scratch.fields;
+                    let Scratch { first, fields: FieldRows { directions, volumes, lengths, unmasked, bell }, .. } = scratch;
                     let slots = patch.start..patches.slot_offsets[index + 1] as usize;
                     let mut gradient = gradient.map(|row| row.values);
-                    import_gradient(binding, index, sources, &mut gradient);
+                    import_gradient(binding, index, sources, first, &mut gradient);
                     let gradient = gradient.map(|row| &*row);
                     let areas = &binding.inverse_areas[slots.clone()];
                     fields::directions(gradient, areas, directions, volumes, lengths);
@@ -202,10 +201,9 @@ impl JobState {
 }
 
 /// Sums the parts of the gradient at the points that a patch shares.
-fn import_gradient(binding: &Binding, index: usize, sources: &[V4], gradient: &mut [&mut [f32]; 3]) {
+fn import_gradient(binding: &Binding, index: usize, sources: &[V4], sum: &mut Buffer, gradient: &mut [&mut [f32]; 3]) {
     let patches = &binding.patches;
     let patch = &patches.list[index];
-    let mut sum: Buffer = [lanes::ZERO; PATCH_POINTS];
     sum[..patch.shared].copy_from_slice(&sources[patches.source_offsets[index] as usize..][..patch.shared]);
     for import in patches.imports.row(index) {
         let sum = &mut sum[usize::from(import.owned)];
