@@ -6,6 +6,7 @@ Figures come from the enabled extension itself: the module that the zip installe
 from __future__ import annotations
 
 import importlib
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,6 +27,11 @@ def extension_module(name: str) -> Any:
 def character(mesh_object: bpy.types.Object) -> Any:
     """What the extension knows of a mesh."""
     return extension_module("runtime").character(mesh_object.session_uid)
+
+
+def quiet() -> AbstractContextManager[None]:
+    """Within it the extension does not look at frames: they take as long as without it."""
+    return extension_module("runtime").quiet()
 
 
 def turn_on(mesh_object: bpy.types.Object) -> str | None:

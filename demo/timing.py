@@ -11,7 +11,7 @@ from time import perf_counter
 import bpy
 
 from .evaluated import armature_modifier, evaluated, modifier_after, only_modifiers_before
-from .live import frame_times, volume_modifier
+from .live import frame_times, quiet, volume_modifier
 from .report import Timings
 from .takes import Take
 
@@ -63,7 +63,7 @@ def armature_times(mesh_object: bpy.types.Object, takes: list[Take]) -> Armature
     """With Turgor and all modifiers after it off, so that the Armature is the last."""
     name = armature_modifier(mesh_object).name
     modifier, frame = [], []
-    with only_modifiers_before(mesh_object, volume_modifier(mesh_object)):
+    with only_modifiers_before(mesh_object, volume_modifier(mesh_object)), quiet():
         for milliseconds in timed_frames(takes):
             frame.append(milliseconds)
             modifier.append(1000.0 * evaluated(mesh_object).modifiers[name].execution_time)

@@ -12,7 +12,7 @@ import bpy
 from blend_fixtures.character import Character
 
 from ..evaluated import evaluated, modifier_after
-from ..live import frame_times, turn_on, volume_modifier
+from ..live import frame_times, quiet, turn_on, volume_modifier
 from .runners import LARGE_TUBE, Runner, runners
 
 FRAME_COUNT = 12
@@ -68,9 +68,10 @@ def timed(runner: Runner, character: Character, turn_count: int) -> Times:
     armature_times, engine_times, frames, live_frames = [], [], [], []
     for _ in range(turn_count):
         ours.show_viewport = False
-        for time in frame_durations():
-            frames.append(time)
-            armature_times.append(1000.0 * evaluated(body).modifiers[armature.name].execution_time)
+        with quiet():
+            for time in frame_durations():
+                frames.append(time)
+                armature_times.append(1000.0 * evaluated(body).modifiers[armature.name].execution_time)
         ours.show_viewport = True
         for time in frame_durations():
             live_frames.append(time)
