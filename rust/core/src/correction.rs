@@ -32,6 +32,8 @@ pub(crate) struct FieldFrame {
     pub inverse_length: f64,
     /// Part of the volume that goes along the axes.
     pub frame_part: f64,
+    /// How that part is shared.
+    shares: Shares,
     /// How far folds have set in, 0..1.
     folded: f64,
     displacement_max: f64,
@@ -49,9 +51,11 @@ impl FieldFrame {
             inverse_length: 1.0 / length,
             displacement_max: DISPLACEMENT_MAX * length,
             is_active: volume != 0.0 && length > 0.0 && length.is_finite(),
+            shares: settings.shares,
             ..Self::default()
         };
-        if settings.profiles.is_none() && settings.shares == Shares::Auto {
+        let automatic = settings.shares.automatic;
+        if settings.profiles.is_none() && automatic == 1.0 {
             return frame;
         }
         if let Some(profiles) = &settings.profiles {
@@ -63,24 +67,29 @@ impl FieldFrame {
             frame.displacement_max = frame.displacement_max.min(SLOPE_MAX / steepness.max(SLOPE_MAX) * length);
         }
         (frame.axes, frame.frame_part) = axes_of_bend(motions, joint);
+        if settings.profiles.is_none() && automatic > 0.0 {
+            // The bell is the same without axes, and its least displacement needs none.
+            frame.frame_part *= 1.0 - automatic;
+            frame.shares = Shares::along(settings.shares.axes.map(|share| share / (1.0 - automatic)));
+        }
         frame
     }
 
     /// Parts of the volume for e0, e1, e2 and the frame-free rest, each solved on the mesh so far.
-    pub fn ordered_shares(&self, hold: &Hold, shares: Shares) -> [f64; 4] {
+    pub fn ordered_shares(&self, hold: &Hold) -> [f64; 4] {
         let total: f64 = hold.along.iter().sum();
-        let part = if total > 0.0 { self.frame_part } else { 0.0 };
-        let axes = match shares {
-            Shares::Axes(shares) => shares,
-            Shares::Auto if total > 0.0 => hold.along.map(|a| a / total),
-            Shares::Auto => [0.0; 3],
-        };
-        [axes[0] * part, axes[1] * part, axes[2] * part, 1.0 - part]
+        if total <= 0.0 {
+            return [0.0, 0.0, 0.0, 1.0];
+        }
+        let part = self.frame_part;
+        let along = |axis: usize| (self.shares.axes[axis] + self.shares.automatic * (hold.along[axis] / total)) * part;
+        [along(0), along(1), along(2), 1.0 - part]
     }
 
     /// The frame of one step of `ordered_shares`.
     pub fn for_step(&self, step: usize) -> Self {
-        Self { frame_part: if step < 3 { 1.0 } else { 0.0 }, ..*self }
+        let shares = Shares::along(std::array::from_fn(|axis| f64::from(u8::from(axis == step))));
+        Self { frame_part: if step < 3 { 1.0 } else { 0.0 }, shares, ..*self }
     }
 
     /// Whether any of the volume goes along the axes.
@@ -157,8 +166,8 @@ pub(crate) struct Field {
 impl Field {
     /// The field that adds `volume`, shaped as far as the cap on displacements allows. What it leaves (`volume` minus
     /// the field's own) is for a wider one: that of the whole shell, whose hold is `shell`.
-    pub fn new(frame: &FieldFrame, hold: &Hold, shell: f64, shares: Shares, volume: f64) -> Self {
-        let field = Self::shaped(frame, hold, shell, shares, volume);
+    pub fn new(frame: &FieldFrame, hold: &Hold, shell: f64, volume: f64) -> Self {
+        let field = Self::shaped(frame, hold, shell, volume);
         if field.is_usable() { field } else { Self { shaped: DMat3::ZERO, is_capped: true, ..Self::default() } }
     }
 
@@ -168,7 +177,7 @@ impl Field {
         coefficients.iter().chain([&self.bell, &self.all, &self.volume]).all(|c| c.abs() < f64::from(f32::MAX))
     }
 
-    fn shaped(frame: &FieldFrame, hold: &Hold, shell: f64, shares: Shares, volume: f64) -> Self {
+    fn shaped(frame: &FieldFrame, hold: &Hold, shell: f64, volume: f64) -> Self {
         let mut field = Self { shaped: DMat3::ZERO, ..Self::default() };
         let free = hold.free_part();
         let is_rounding = volume.abs() * frame.inverse_length.powi(3) <= ROUNDING * VICINITY_VOLUME;
@@ -185,18 +194,15 @@ impl Field {
         let most = frame.displacement_max;
         if frame.frame_part > 0.0 && total > 0.0 {
             let wanted = volume * frame.frame_part * trust(total, hold.all);
-            let alpha = match shares {
-                Shares::Auto => [wanted / total; 3],
-                Shares::Axes(shares) => {
-                    // What an axis that hardly holds cannot take, all take by what they hold.
-                    let trusted: [f64; 3] = std::array::from_fn(|i| trust(hold.along[i], total));
-                    let missing: f64 = shares.iter().zip(trusted).map(|(share, trusted)| share * (1.0 - trusted)).sum();
-                    std::array::from_fn(|i| {
-                        let own = if hold.along[i] > 0.0 { shares[i] * trusted[i] / hold.along[i] } else { 0.0 };
-                        wanted * (own + missing / total)
-                    })
-                }
-            };
+            let shares = frame.shares.axes;
+            let trusted: [f64; 3] = std::array::from_fn(|i| trust(hold.along[i], total));
+            // The automatic share goes to all axes by what they hold, and so does what an axis that hardly holds cannot take.
+            let missing: f64 = shares.iter().zip(trusted).map(|(share, trusted)| share * (1.0 - trusted)).sum();
+            let by_hold = (missing + frame.shares.automatic) / total;
+            let alpha: [f64; 3] = std::array::from_fn(|i| {
+                let own = if hold.along[i] > 0.0 { shares[i] * trusted[i] / hold.along[i] } else { 0.0 };
+                wanted * (own + by_hold)
+            });
             let bound = (0..3).map(|i| (alpha[i] * hold.along_most[i]).powi(2)).sum::<f64>().sqrt();
             let kept = part_within(most, bound);
             field.is_capped |= kept < 1.0;

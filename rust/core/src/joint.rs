@@ -3,13 +3,43 @@
 use crate::error::{Error, Result};
 use crate::profile::Profile;
 
-/// How the volume to add is shared among the joint's axes.
+/// How the volume to add is shared: parts of a whole.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Shares {
-    /// The least displacement: every axis by what it can take.
-    Auto,
-    /// Parts along e0 (the parent), e1 (axis of the bend), e2 (inside of the bend).
-    Axes([f64; 3]),
+pub struct Shares {
+    /// Along e0 (the parent), e1 (axis of the bend), e2 (inside of the bend).
+    pub axes: [f64; 3],
+    /// By the least displacement: every axis by what it can take.
+    pub automatic: f64,
+}
+
+impl Shares {
+    /// All by the least displacement.
+    pub const AUTOMATIC: Self = Self { axes: [0.0; 3], automatic: 1.0 };
+
+    /// All along the axes.
+    pub const fn along(axes: [f64; 3]) -> Self {
+        Self { axes, automatic: 0.0 }
+    }
+
+    /// Parts that sum to 1.
+    fn checked(self) -> Result<Self> {
+        let Self { axes: [along, sideways, inside], automatic } = self;
+        let parts = [along, sideways, inside, automatic];
+        if let Some(&found) = parts.iter().find(|s| !(**s >= 0.0 && s.is_finite())) {
+            return Err(Error::Value { what: "shares", found, needed: "numbers of 0 or more" });
+        }
+        let sum: f64 = parts.iter().sum();
+        if sum <= 0.0 {
+            return Err(Error::Value { what: "sum of shares", found: sum, needed: "at least one share above 0" });
+        }
+        Ok(Self { axes: self.axes.map(|s| s / sum), automatic: automatic / sum })
+    }
+}
+
+impl Default for Shares {
+    fn default() -> Self {
+        Self::AUTOMATIC
+    }
 }
 
 /// The three curves that shape a correction, along e0, e1, e2.
@@ -26,7 +56,7 @@ pub struct Profiles {
 pub struct Joint {
     /// Index into the skeleton.
     pub bone: usize,
-    /// Parts of the volume per axis.
+    /// Parts of the volume.
     pub shares: Shares,
     /// `None`: the isotropic bell.
     pub profiles: Option<Profiles>,
@@ -39,7 +69,7 @@ pub struct Joint {
 impl Joint {
     /// The isotropic preset, all given back.
     pub fn isotropic(bone: usize) -> Self {
-        Self { bone, shares: Shares::Auto, profiles: None, strength: 1.0, size: 1.0 }
+        Self { bone, shares: Shares::AUTOMATIC, profiles: None, strength: 1.0, size: 1.0 }
     }
 
     /// Checks what can be checked without a mesh; shares are normalised to sum 1.
@@ -53,16 +83,7 @@ impl Joint {
         if !(self.size > 0.0 && self.size.is_finite()) {
             return Err(Error::Value { what: "size", found: self.size, needed: "a number above 0" });
         }
-        if let Shares::Axes(shares) = &mut self.shares {
-            let sum: f64 = shares.iter().sum();
-            if let Some(&found) = shares.iter().find(|s| !(**s >= 0.0 && s.is_finite())) {
-                return Err(Error::Value { what: "shares", found, needed: "three numbers of 0 or more" });
-            }
-            if sum <= 0.0 {
-                return Err(Error::Value { what: "sum of shares", found: sum, needed: "at least one share above 0" });
-            }
-            *shares = shares.map(|s| s / sum);
-        }
+        self.shares = self.shares.checked()?;
         if let Some(Profiles { folded: Some((_, loss)), .. }) = &self.profiles
             && !(*loss > 0.0 && loss.is_finite())
         {

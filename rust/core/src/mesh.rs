@@ -215,11 +215,9 @@ impl<'a> Solve<'a> {
         let parts: Vec<[f64; 3]> = (0..changes.len())
             .map(|c| {
                 let able: [bool; 3] = std::array::from_fn(|i| along[i][c] > HOLD_MIN * free[c]);
-                let wanted: [f64; 3] = std::array::from_fn(|i| match shares {
-                    _ if !able[i] => 0.0,
-                    Shares::Auto => along[i][c],
-                    Shares::Axes(shares) => shares[i],
-                });
+                let total: f64 = (0..3).filter(|&i| able[i]).map(|i| along[i][c]).sum();
+                let wanted: [f64; 3] =
+                    std::array::from_fn(|i| if able[i] { shares.axes[i] + shares.automatic * (along[i][c] / total) } else { 0.0 });
                 let sum: f64 = wanted.iter().sum();
                 let able_count = able.iter().filter(|a| **a).count() as f64;
                 std::array::from_fn(|i| match sum > 0.0 {

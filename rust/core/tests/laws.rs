@@ -47,7 +47,7 @@ fn bulge(bone: usize) -> Joint {
     let bell = || curve(|x| (-16.0 * x * x).exp());
     let inside = curve(|x| x.max(0.0) * (-16.0 * x * x).exp());
     let profiles = Profiles { axes: [bell(), bell(), inside], folded: None };
-    Joint { profiles: Some(profiles), shares: Shares::Axes([0.1, 0.1, 0.8]), ..Joint::isotropic(bone) }
+    Joint { profiles: Some(profiles), shares: Shares::along([0.1, 0.1, 0.8]), ..Joint::isotropic(bone) }
 }
 
 proptest! {

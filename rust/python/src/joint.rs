@@ -12,16 +12,19 @@ pub struct Joint {
     pub inner: turgor::Joint,
 }
 
-/// "auto", or three numbers.
+/// "auto", three numbers, or four, the last of which is the automatic share.
 pub fn read_shares(value: Option<&Bound<'_, PyAny>>) -> PyResult<Shares> {
-    let Some(value) = value else { return Ok(Shares::Auto) };
+    let Some(value) = value else { return Ok(Shares::AUTOMATIC) };
     if value.extract::<&str>().is_ok_and(|word| word == "auto") {
-        return Ok(Shares::Auto);
+        return Ok(Shares::AUTOMATIC);
+    }
+    if let Ok([along, sideways, inside, automatic]) = value.extract::<[f64; 4]>() {
+        return Ok(Shares { axes: [along, sideways, inside], automatic });
     }
     value
         .extract::<[f64; 3]>()
-        .map(Shares::Axes)
-        .map_err(|_| TurgorError::new_err(format!("shares: need \"auto\" or three numbers, got {value}")))
+        .map(Shares::along)
+        .map_err(|_| TurgorError::new_err(format!("shares: need \"auto\", three numbers or four, got {value}")))
 }
 
 pub fn bone_index(bone: i64) -> PyResult<usize> {
@@ -70,9 +73,13 @@ impl Joint {
 
     #[getter]
     fn shares<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        match self.inner.shares {
-            Shares::Auto => Ok("auto".into_pyobject(py)?.into_any()),
-            Shares::Axes([a, b, c]) => Ok((a, b, c).into_pyobject(py)?.into_any()),
+        let Shares { axes: [along, sideways, inside], automatic } = self.inner.shares;
+        if automatic == 1.0 {
+            Ok("auto".into_pyobject(py)?.into_any())
+        } else if automatic == 0.0 {
+            Ok((along, sideways, inside).into_pyobject(py)?.into_any())
+        } else {
+            Ok((along, sideways, inside, automatic).into_pyobject(py)?.into_any())
         }
     }
 }

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 __version__: str
 
-Shares = tuple[float, float, float] | Literal["auto"]
+Shares = tuple[float, float, float] | tuple[float, float, float, float] | Literal["auto"]
 Kind = Literal["radial", "normal", "binormal"]
 Match = Literal["stations", "relative_length", "length"]
 
@@ -132,8 +132,9 @@ class Skinning:
 class Joint:
     """How the volume lost at the joint at the head of `bone` is given back.
 
-    shares: parts along the joint's axes e0 (along the parent), e1 (axis of the bend), e2 (inside of the bend), or
-        "auto", which None stands for: the least displacement.
+    shares: parts along the joint's axes e0 (along the parent), e1 (axis of the bend), e2 (inside of the bend); a fourth
+        number is the part that goes by the least displacement. "auto", which None stands for, is (0, 0, 0, 1), three
+        numbers are four with a 0. Only their ratios count.
     profiles: three 1D curves over x in [-1, 1] of the joint's length, each a sequence of at least 2 samples at even
         spacing, zero outside; samples below 0 count as 0. None: the isotropic bell.
     folded_profile: second curve for axis 0, reached as the loss approaches `folded_loss_relative` of the volume of the

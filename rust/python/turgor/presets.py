@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ._native import Joint
 
 PresetName = Literal["isotropic", "rubber", "muscle", "folds", "belly"]
-Shares = tuple[float, float, float] | Literal["auto"]
+Shares = tuple[float, float, float] | tuple[float, float, float, float] | Literal["auto"]
 Profile = NDArray[np.float64]
 
 # Samples per curve over x in [-1, 1]: linear interpolation errs by 1e-4 of the bell's height.

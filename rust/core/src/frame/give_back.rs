@@ -38,7 +38,7 @@ impl Workspace {
     /// Displacements by all fields at once, and the field of the residual: the same with every joint giving, none taking.
     pub(crate) fn give_back(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
         self.hold(binding, supports, settings, Pass::All);
-        self.solve(binding, settings);
+        self.solve(binding);
         self.add_fields(binding, supports, settings, Pass::All, |old, new| *old = new);
     }
 
@@ -122,14 +122,14 @@ impl Workspace {
     }
 
     /// How much of each field.
-    fn solve(&mut self, binding: &Binding, settings: &[Joint]) {
+    fn solve(&mut self, binding: &Binding) {
         for (state, job) in self.jobs.iter_mut().zip(&binding.plan.jobs) {
             let component = &mut self.components[job.component as usize];
             if !state.frame.is_active {
                 component.wide += state.volume;
                 continue;
             }
-            let field = Field::new(&state.frame, &state.hold, component.wide_hold, settings[job.joint as usize].shares, state.volume);
+            let field = Field::new(&state.frame, &state.hold, component.wide_hold, state.volume);
             component.wide += state.volume - field.volume;
             state.take(field);
         }

@@ -7,7 +7,7 @@ use super::skin::{keep_gradient, sweep_giants};
 use super::{JobState, Workspace, ragged, widened};
 use crate::binding::Binding;
 use crate::correction::Field;
-use crate::joint::{Joint, Shares};
+use crate::joint::Joint;
 use crate::lanes::{self, add};
 use crate::patches::PATCH_POINTS;
 use crate::split::{Ragged, for_each_piece};
@@ -28,8 +28,7 @@ impl Workspace {
                 let state = &mut self.jobs[*job];
                 (state.regained, state.displacement, state.is_capped) = (0.0, 0.0, false);
             }
-            let shares: Vec<[f64; 4]> =
-                mine.iter().map(|&j| self.jobs[j].frame.ordered_shares(&self.jobs[j].hold, settings[joint].shares)).collect();
+            let shares: Vec<[f64; 4]> = mine.iter().map(|&j| self.jobs[j].frame.ordered_shares(&self.jobs[j].hold)).collect();
             for step in 0..4 {
                 if shares.iter().all(|s| s[step] == 0.0) {
                     continue;
@@ -38,9 +37,8 @@ impl Workspace {
                 self.hold(binding, supports, settings, Pass::Some(&mine));
                 for (&job, shares) in mine.iter().zip(&shares) {
                     let state = &mut self.jobs[job];
-                    let axes = Shares::Axes(std::array::from_fn(|axis| f64::from(u8::from(axis == step))));
                     let shell = self.components[binding.plan.jobs[job].component as usize].wide_hold;
-                    state.take(Field::new(&state.frame.for_step(step), &state.hold, shell, axes, state.volume * shares[step]));
+                    state.take(Field::new(&state.frame.for_step(step), &state.hold, shell, state.volume * shares[step]));
                 }
                 self.add_fields(binding, supports, settings, Pass::Some(&mine), |old, new| {
                     old.by = std::array::from_fn(|i| old.by[i] + new.by[i]);
