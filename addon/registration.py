@@ -7,6 +7,7 @@ import bpy
 from . import handlers, properties, translations
 from .operators.add import OBJECT_OT_turgor_volume_add
 from .operators.add import draw as draw_add
+from .operators.bake import OBJECT_OT_turgor_bake, OBJECT_OT_turgor_bake_remove
 from .operators.curves import OBJECT_OT_turgor_curves_reset
 from .operators.fix import OBJECT_OT_turgor_volume_fix
 from .operators.joints import CLASSES as JOINT_OPERATORS
@@ -18,6 +19,7 @@ from .operators.spine import OBJECT_OT_turgor_spine_add, OBJECT_OT_turgor_spine_
 from .operators.spine import draw as draw_add_spine
 from .overlays import spine as spine_overlay
 from .overlays import volume as volume_overlay
+from .panels.bake import TURGOR_PT_bake, TURGOR_PT_baked, TURGOR_PT_spine_bake
 from .panels.curves import TURGOR_PT_curves
 from .panels.display import TURGOR_PT_display, TURGOR_PT_performance
 from .panels.joints import TURGOR_MT_joints, TURGOR_UL_joints
@@ -38,6 +40,8 @@ CLASSES = (
     OBJECT_OT_turgor_volume_measure,
     *JOINT_OPERATORS,
     OBJECT_OT_turgor_mask_paint,
+    OBJECT_OT_turgor_bake,
+    OBJECT_OT_turgor_bake_remove,
     TURGOR_UL_joints,
     TURGOR_MT_joints,
     TURGOR_PT_volume,
@@ -48,6 +52,9 @@ CLASSES = (
     TURGOR_PT_performance,
     TURGOR_PT_spine,
     TURGOR_PT_spine_settings,
+    TURGOR_PT_bake,
+    TURGOR_PT_spine_bake,
+    TURGOR_PT_baked,
     TURGOR_PT_sidebar,
 )
 

@@ -170,6 +170,14 @@ class Character:
         return any(finding.fix == "REBIND" for finding in self.bind_findings)
 
 
+@dataclass(frozen=True)
+class Bake:
+    """A bake under way; part: 0 to 1."""
+
+    part: float
+    text: str
+
+
 @dataclass
 class Session:
     """State of the whole session; `route` is empty until it was chosen."""
@@ -184,6 +192,7 @@ class Session:
     is_started: bool = False
     is_rendering: bool = False
     is_quiet: bool = False
+    bake: Bake | None = None
     # What a viewport shows of an object with Turgor Volume, `logic.shown.Shown`; for draw callbacks.
     look: Callable[[Any], Any] | None = None
     # Its modifier Turgor Volume, whatever its name is now, or None.

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..logic.bake_report import BakeReport
-from ..scene import frame
 from .options import Options
+from .skinned_rest import Posed
 from .spine_frames import SpineFrames
 from .volume_frames import VolumeFrames
 
@@ -35,7 +35,7 @@ class Baking:
     options: Options
     report: BakeReport
     chunks: list[NDArray[np.float32]] = field(default_factory=list)  # (S, N, 3) live positions, in order of the frames
-    inputs: list[frame.FrameInputs | None] = field(default_factory=list)  # (F,)
+    poses: list[Posed | None] = field(default_factory=list)  # (F,) None without an Armature
     copy: bpy.types.Object | None = None  # carries the bake
     last: str | None = None  # its modifier that shows the live positions; None: its keys do
 

@@ -32,15 +32,15 @@ class Deltas:
 
     def compute(self) -> Iterator[Progress]:
         """Fills `chunks`, (S, N, 3)."""
-        baking, done, count = self._baking, 0, len(self._baking.inputs)
+        baking, done, count = self._baking, 0, len(self._baking.poses)
         for positions in baking.chunks:
             rows = np.empty(positions.shape, np.float32)
             for row, wanted in zip(rows, positions, strict=True):
-                inputs = baking.inputs[done]
-                if inputs is None:
+                posed = baking.poses[done]
+                if posed is None:
                     raise BakeError("Corrective keys stand before an Armature, there is none")
-                maps = self.skin.maps(inputs)
-                found = inverse_skinning.inverse(maps, shaped(baking, inputs.shape_values), wanted)
+                maps = self.skin.maps(posed)
+                found = inverse_skinning.inverse(maps, shaped(baking, posed.shape_values), wanted)
                 row[...] = found.deltas
                 self.growth = np.maximum(self.growth, inverse_skinning.growth(maps))
                 baking.report.clamped_count += int(found.is_clamped.sum())
@@ -119,7 +119,7 @@ def own_columns(baking: Baking) -> dict[str, tuple[NDArray[np.float64], NDArray[
     keys = baking.target.data.shape_keys
     if keys is None:
         return {}
-    values = np.array([inputs.shape_values for inputs in baking.inputs if inputs is not None], np.float64)
+    values = np.array([posed.shape_values for posed in baking.poses if posed is not None], np.float64)
     names = [key.name for key in keys.key_blocks[1:]]
     return {name: (baking.options.frames, column) for name, column in zip(names, values.T, strict=True)}
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..logic import inverse_skinning, pose_driven, turns
-from ..scene import frame, shape_key_writing
+from ..scene import shape_key_writing
 from ..scene.shape_keys import RANGE
 from .baking import Baking, Progress
 from .correctives import Deltas, add, finish, make_copy
@@ -75,7 +75,7 @@ def _learnt(
     baking: Baking, deltas: Deltas, parts: list[pose_driven.Part], seen: dict[int, NDArray[np.float64]]
 ) -> pose_driven.Learnt:
     bones, options = deltas.skin.bones, baking.options
-    poses = np.stack([_matrices(inputs, deltas) for inputs in baking.inputs if inputs is not None])
+    poses = np.stack([posed.matrices for posed in baking.poses if posed is not None])
     turned = turns.local_turns(poses, bones.rest_matrices, bones.parents)
     rows = np.concatenate(deltas.chunks)
     is_held = np.arange(len(rows)) % 2 == 1
@@ -94,10 +94,6 @@ def _learnt(
     if is_held.any():
         baking.report.held_out_error = float(found.error(turned[is_held], [rows[is_held]]).max())
     return found
-
-
-def _matrices(inputs: frame.FrameInputs, deltas: Deltas) -> NDArray[np.float32]:
-    return inputs.pose_matrices[deltas.skin.bones.pose_indices]
 
 
 def _ranks(bones: NDArray[np.int32]) -> list[int]:

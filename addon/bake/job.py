@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
+from typing import NamedTuple
 
 import bpy
 import numpy as np
@@ -24,6 +26,8 @@ from .volume_frames import VolumeFrames
 # Frames of one slice: so many, and so many bytes of positions.
 CHUNK_FRAMES, CHUNK_BYTES = 64, 1 << 23
 POSITION_BYTES = 12
+# Chunks that may be in memory at one time.
+CHUNKS_UNDER_WAY = 3
 METHOD_NAMES = {
     "ABSOLUTE": "absolute shape keys",
     "CORRECTIVE": "corrective shape keys, one per frame",
@@ -53,13 +57,16 @@ class Job:
         if options.method in {"REDUCED", "DRIVEN"} and not options.tolerance > 0.0:
             raise BakeError("The error is 0: give the largest that may be seen")
         positions = self._source.rest.positions
+        size = float(np.linalg.norm(np.ptp(positions.astype(np.float64), axis=0))) if len(positions) else 0.0
+        if options.tolerance_is_relative:
+            self._options = options = replace(options, tolerance=options.tolerance * size, tolerance_is_relative=False)
         report = BakeReport(
             target.name,
             METHOD_NAMES[options.method],
             frame_range.text_of(options.frames),
             len(options.frames),
             len(positions),
-            float(np.linalg.norm(np.ptp(positions.astype(np.float64), axis=0))),
+            size,
             tolerance=float(options.tolerance) if options.method in {"REDUCED", "DRIVEN"} else None,
         )
         self._baking = Baking(target, self._source, options, report)
@@ -117,25 +124,39 @@ class Job:
         raise BakeError(f"{target.name} has neither Turgor Volume nor Turgor Spine: there is nothing to bake")
 
     def _compute(self, store: chunk_store.ChunkStore) -> Iterator[Progress]:
-        """The engine works on a chunk while Blender samples the next."""
+        """The engine works on a chunk, and another is written, while Blender samples the next."""
         frames, baking = self._options.frames, self._baking
         count = min(CHUNK_FRAMES, max(CHUNK_BYTES // (POSITION_BYTES * max(baking.report.vertex_count, 1)), 1))
         pending: list[Future[NDArray[np.float32]]] = []
-        with ThreadPoolExecutor(1, "turgor-bake") as pool:
+        with ThreadPoolExecutor(1, "turgor-bake") as engine, ThreadPoolExecutor(1, "turgor-write") as disk:
             for number, start in enumerate(range(0, len(frames), count)):
                 samples = self._source.sample(frames[start : start + count])
-                baking.inputs.extend(sample.inputs for sample in samples)
-                if len(pending) > 1:
-                    pending[-2].result()
-                pending.append(pool.submit(self._chunk, store, number, samples))
+                baking.poses.extend(sample.posed for sample in samples)
+                if len(pending) >= CHUNKS_UNDER_WAY:
+                    pending[-CHUNKS_UNDER_WAY].result()
+                found = engine.submit(self._chunk, store, number, samples)
+                pending.append(disk.submit(_kept, store, number, found))
                 done = min(start + count, len(frames))
                 yield Progress(FRAMES_DONE * done / len(frames), f"{done} of {len(frames)} frames")
             baking.chunks.extend(future.result() for future in pending)
 
-    def _chunk(self, store: chunk_store.ChunkStore, number: int, samples: list) -> NDArray[np.float32]:
-        name = self._source.fingerprint(samples)
+    def _chunk(self, store: chunk_store.ChunkStore, number: int, samples: list) -> _Chunk:
+        name = self._source.fingerprint(samples) if self._options.folder is not None else ""
         known = store.find(number, name, (len(samples), self._baking.report.vertex_count, 3))
-        return store.put(number, name, self._source.positions(samples)) if known is None else known
+        return _Chunk(name, self._source.positions(samples) if known is None else known, known is not None)
+
+
+class _Chunk(NamedTuple):
+    """Positions, and whether they were found under their name."""
+
+    name: str
+    positions: NDArray[np.float32]
+    is_kept: bool
+
+
+def _kept(store: chunk_store.ChunkStore, number: int, found: Future[_Chunk]) -> NDArray[np.float32]:
+    name, positions, is_kept = found.result()
+    return positions if is_kept else store.put(number, name, positions)
 
 
 _METHODS = {

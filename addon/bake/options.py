@@ -23,8 +23,9 @@ class Options:
 
     method: Method
     frames: NDArray[np.float64]  # (F,) rising
-    # Largest error of reduced and driven keys, units of the object.
+    # Largest error of reduced and driven keys: units of the object, or part of the size of the mesh.
     tolerance: float = 0.0
+    tolerance_is_relative: bool = False
     # Key values from 0 to 1 only, as some engines clamp them.
     unit_values: bool = False
     # The skinning that will play corrective keys: this many influences of each vertex, 0 for all, and blended linearly.

@@ -6,23 +6,31 @@ from typing import NamedTuple
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ..logic import inverse_skinning, weights
-from ..scene import frame, rest, skeleton
+from ..scene import rest, skeleton
 from .options import BakeError
 
 
+class Posed(NamedTuple):
+    """One frame of an armature."""
+
+    matrices: NDArray[np.float32]  # (B, 4, 4) pose @ inverse(rest) of `skeleton.read_bones`
+    object_from_armature: NDArray[np.float64]  # (4, 4)
+    shape_values: NDArray[np.float32]  # (K,)
+
+
 class PosedSkin(NamedTuple):
-    """A target's skinning, and which bones of the pose it takes."""
+    """A target's skinning, and the bones that it takes."""
 
     skin: inverse_skinning.TargetSkin
     bones: skeleton.RestBones
     weights: weights.BoneWeights
 
-    def maps(self, inputs: frame.FrameInputs) -> inverse_skinning.Maps:
+    def maps(self, posed: Posed) -> inverse_skinning.Maps:
         """Of one frame."""
-        matrices = np.ascontiguousarray(inputs.pose_matrices[self.bones.pose_indices])
-        return self.skin.maps(matrices, inputs.object_from_armature)
+        return self.skin.maps(posed.matrices, posed.object_from_armature)
 
 
 def skin_of(

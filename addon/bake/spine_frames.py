@@ -14,13 +14,13 @@ from ..live import spine_frame
 from ..logic import fingerprint
 from ..scene import drivers, frame, pose_samples, rest, spine_stack
 from .options import BakeError
-from .skinned_rest import skin_of
+from .skinned_rest import Posed, skin_of
 
 
 class Sample(NamedTuple):
     """One frame."""
 
-    inputs: frame.FrameInputs | None  # None where no Armature skins the body
+    posed: Posed | None  # None where no Armature skins the body
     positions: NDArray[np.float32]  # (N, 3) after Turgor Spine
 
 
@@ -60,12 +60,14 @@ class SpineFrames:
 
     def _read(self, evaluated: bpy.types.Object) -> Sample:
         shape = spine_frame.read_shape(evaluated, self._bound)
-        inputs, positions = None, shape.positions
+        posed, positions = None, shape.positions
         if self._skin is not None:
             rig = evaluated.turgor_spine.rig
             inputs = frame.read_inputs(evaluated, rig)
-            positions = self._skin.maps(inputs).moved(positions)
-        return Sample(inputs, (positions + shape.strength * shape.offsets.astype(np.float64)).astype(np.float32))
+            matrices = np.ascontiguousarray(inputs.pose_matrices[self._skin.bones.pose_indices])
+            posed = Posed(matrices, inputs.object_from_armature, inputs.shape_values)
+            positions = self._skin.maps(posed).moved(positions)
+        return Sample(posed, (positions + shape.strength * shape.offsets.astype(np.float64)).astype(np.float32))
 
     def fingerprint(self, samples: Sequence[Sample]) -> str:
         """Of the positions themselves: sampling has computed them."""

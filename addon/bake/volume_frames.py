@@ -13,14 +13,15 @@ from numpy.typing import NDArray
 from .. import runtime
 from ..live import frame as live_frame
 from ..logic import fingerprint
-from ..scene import frame, modifier_inputs, node_group, pose_samples, rest, settings, stack
+from ..scene import modifier_inputs, node_group, pose_samples, rest, settings, stack
 from .options import BakeError
+from .skinned_rest import Posed
 
 
 class Sample(NamedTuple):
     """One frame as Blender evaluated it."""
 
-    inputs: frame.FrameInputs
+    posed: Posed
     request: live_frame.Request
     saved: settings.BodySettings
     effect: float  # Strength of the modifier
@@ -70,7 +71,10 @@ class VolumeFrames:
     def _read(self, evaluated: bpy.types.Object) -> Sample:
         strength = float(modifier_inputs.read_input(stack.volume_modifier(evaluated), node_group.STRENGTH))
         request = live_frame.read(evaluated, self._bound)
-        return Sample(frame.read_frame(evaluated), request, settings.read_settings(evaluated), strength)
+        asked = request.options
+        shape_values = asked.get("shape_values", np.zeros(0, np.float32))
+        posed = Posed(request.pose_matrices, asked["object_from_armature"], shape_values)
+        return Sample(posed, request, settings.read_settings(evaluated), strength)
 
     def fingerprint(self, samples: Sequence[Sample]) -> str:
         """Of all that positions are computed from; the first of them stands for what is bound, and for the engine."""

@@ -24,7 +24,7 @@ class TURGOR_PT_spine(bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _has_spine(context.object)
+        return has_spine(context.object)
 
     def draw(self, context: bpy.types.Context) -> None:
         ob = context.object
@@ -45,7 +45,7 @@ class TURGOR_PT_spine_settings(bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _has_spine(context.object)
+        return has_spine(context.object)
 
     def draw(self, context: bpy.types.Context) -> None:
         ob = context.object
@@ -64,7 +64,7 @@ class TURGOR_PT_spine_settings(bpy.types.Panel):
         draw_timing(self.layout, _known(ob))
 
 
-def _has_spine(ob: bpy.types.Object | None) -> bool:
+def has_spine(ob: bpy.types.Object | None) -> bool:
     return ob is not None and ob.type == "MESH" and ob.turgor_spine.version > 0
 
 

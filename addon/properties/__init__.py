@@ -3,6 +3,7 @@
 import bpy
 from bpy.props import PointerProperty
 
+from .bake import TurgorBake
 from .carrier import TurgorCarrier
 from .character import TurgorObject
 from .display import TurgorDisplay
@@ -22,6 +23,7 @@ CLASSES = (
     TurgorDisplay,
     TurgorObject,
     TurgorSpine,
+    TurgorBake,
     TurgorPreferences,
 )
 
@@ -31,9 +33,11 @@ def register() -> None:
         bpy.utils.register_class(cls)
     bpy.types.Object.turgor = PointerProperty(type=TurgorObject, override=OVERRIDABLE)
     bpy.types.Object.turgor_spine = PointerProperty(type=TurgorSpine, override=OVERRIDABLE)
+    bpy.types.Object.turgor_bake = PointerProperty(type=TurgorBake, override=OVERRIDABLE)
 
 
 def unregister() -> None:
+    del bpy.types.Object.turgor_bake
     del bpy.types.Object.turgor_spine
     del bpy.types.Object.turgor
     for cls in reversed(CLASSES):

@@ -1,0 +1,104 @@
+"""Baking in the modifier tab: below Turgor Volume, below Turgor Spine, and on baked copies."""
+
+from __future__ import annotations
+
+import bpy
+
+from .. import runtime
+from .spine import PARENT_PANEL as SPINE_PANEL
+from .spine import has_spine
+from .text import draw_wrapped
+from .volume import PARENT_PANEL as VOLUME_PANEL
+from .volume import has_volume
+
+CORRECTIVE_METHODS = frozenset({"CORRECTIVE", "REDUCED", "DRIVEN"})
+
+
+class BakePanel:
+    bl_label = "Bake"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "modifier"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        draw_bake(self.layout, context, context.object)
+
+
+class TURGOR_PT_bake(BakePanel, bpy.types.Panel):
+    bl_parent_id = VOLUME_PANEL
+    bl_order = 90
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return has_volume(context.object)
+
+
+class TURGOR_PT_spine_bake(BakePanel, bpy.types.Panel):
+    bl_parent_id = SPINE_PANEL
+    bl_order = 90
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return has_spine(context.object) and not has_volume(context.object)
+
+
+class TURGOR_PT_baked(bpy.types.Panel):
+    bl_label = "Turgor Bake"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "modifier"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        ob = context.object
+        is_live = has_volume(ob) or has_spine(ob)
+        return ob is not None and ob.type == "MESH" and not is_live and bool(ob.turgor_bake.report)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        ob = context.object
+        if ob.turgor_bake.other is not None:
+            self.layout.label(text=ob.turgor_bake.other.name, icon="OBJECT_DATA", translate=False)
+        draw_report(self.layout, context, ob)
+
+
+def draw_bake(layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy.types.Object) -> None:
+    """Settings, the button, and what the last bake came to."""
+    saved = ob.turgor_bake
+    column = layout.column()
+    column.use_property_split, column.use_property_decorate = True, False
+    column.prop(saved, "method", text="Method")
+    column.prop(saved, "frames")
+    if saved.method in {"REDUCED", "DRIVEN"}:
+        column.prop(saved, "error_percent" if saved.unit == "PERCENT" else "error_length")
+        column.prop(saved, "unit", text="In")
+    if saved.method == "REDUCED":
+        column.prop(saved, "unit_values")
+    if saved.method == "DRIVEN":
+        column.prop(saved, "most_keys")
+    if saved.method in CORRECTIVE_METHODS:
+        column.separator()
+        column.prop(saved, "influences")
+        column.prop(saved, "use_linear")
+    column.separator()
+    column.prop(saved, "folder")
+    column.prop(saved, "verify")
+    column.prop(saved, "hide_original")
+    running = runtime.session.bake
+    if running is not None:
+        layout.progress(factor=running.part, text=running.text)
+        return
+    row = layout.row(align=True)
+    row.scale_y = 1.2
+    row.operator("object.turgor_bake", icon="RENDER_ANIMATION")
+    if saved.report:
+        row.operator("object.turgor_bake_remove", text="", icon="TRASH")
+        draw_report(layout, context, ob)
+
+
+def draw_report(layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy.types.Object) -> None:
+    """The last bake, line by line."""
+    column = layout.box().column(align=True)
+    column.active = False
+    for line in ob.turgor_bake.report.splitlines():
+        draw_wrapped(column, context, line, "NONE")
