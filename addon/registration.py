@@ -10,6 +10,7 @@ from .operators.add import draw as draw_add
 from .operators.bake import OBJECT_OT_turgor_bake, OBJECT_OT_turgor_bake_remove
 from .operators.curves import OBJECT_OT_turgor_curves_reset
 from .operators.fix import OBJECT_OT_turgor_volume_fix
+from .operators.fold_loss import OBJECT_OT_turgor_fold_loss_measure
 from .operators.joints import CLASSES as JOINT_OPERATORS
 from .operators.mask import OBJECT_OT_turgor_mask_paint
 from .operators.measure import OBJECT_OT_turgor_volume_measure
@@ -33,6 +34,7 @@ CLASSES = (
     OBJECT_OT_turgor_volume_remove,
     OBJECT_OT_turgor_volume_rebind,
     OBJECT_OT_turgor_curves_reset,
+    OBJECT_OT_turgor_fold_loss_measure,
     OBJECT_OT_turgor_spine_add,
     OBJECT_OT_turgor_spine_remove,
     OBJECT_OT_turgor_spine_rebind,

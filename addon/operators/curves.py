@@ -7,6 +7,7 @@ import bpy
 from ..live import profiles
 from ..live.binding_rules import is_editable
 from ..scene import stack
+from .character import character_of
 
 
 class OBJECT_OT_turgor_curves_reset(bpy.types.Operator):
@@ -17,7 +18,7 @@ class OBJECT_OT_turgor_curves_reset(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        ob = context.object
+        ob = character_of(context)
         if ob is None or stack.volume_modifier(ob) is None or not is_editable(ob):
             cls.poll_message_set("The active object has no Turgor Volume of its own")
             return False
@@ -28,6 +29,6 @@ class OBJECT_OT_turgor_curves_reset(bpy.types.Operator):
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        shown = profiles.shown_set(context.object)
+        shown = profiles.shown_set(character_of(context))
         shown.preset = shown.curve_source
         return {"FINISHED"}

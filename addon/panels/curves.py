@@ -66,7 +66,12 @@ def _draw_blend(column: bpy.types.UILayout, joint: TurgorJoint, edited: bpy.type
     column.prop(edited, "blend_mode")
     if joint.blend_mode == "NONE":
         return
-    column.prop(edited, "blend" if joint.blend_mode == "VALUE" else "fold_loss")
+    if joint.blend_mode == "VALUE":
+        column.prop(edited, "blend")
+    else:
+        row = column.row(align=True)
+        row.prop(edited, "fold_loss")
+        row.operator("object.turgor_fold_loss_measure", text="", icon="VIEWZOOM")
     switch = column.row()
     switch.use_property_split = False
     switch.prop(joint, "shown_set", expand=True)

@@ -36,6 +36,7 @@ class TURGOR_PT_sidebar(bpy.types.Panel):
             draw_readout(column, known_of(ob), is_on=is_after(ob))
             draw_joints(column, context, ob)
             draw_joint(column, ob)
+            self.layout.context_pointer_set("turgor_character", ob)
             draw_curves(self.layout, ob)
 
 

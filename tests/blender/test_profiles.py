@@ -261,3 +261,10 @@ def test_a_silent_joint_gives_nothing_back(route, runtime, silence):
     assert (_shown(ob) == expected).all()
     figures = runtime.character(ob.session_uid).figures
     assert figures.joints[silent[0].name].regained == 0.0
+
+
+def test_the_second_set_is_reached_where_the_joint_loses_most(runtime):
+    ob, joint = _character("BELLY")
+    select([ob])
+    assert bpy.ops.object.turgor_fold_loss_measure() == {"FINISHED"}
+    assert joint.fold_loss == pytest.approx(runtime.character(ob.session_uid).motion.fold_losses[BONE], rel=1e-6)

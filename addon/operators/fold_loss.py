@@ -1,0 +1,43 @@
+"""Let the second set of profile curves be reached where the joint loses most."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..live import measuring
+from ..live.binding_rules import is_editable
+from ..properties.joint import TurgorJoint
+from ..scene import stack
+from .character import character_of
+
+LEAST_LOSS = TurgorJoint.__annotations__["fold_loss"].keywords["min"]
+
+
+class OBJECT_OT_turgor_fold_loss_measure(bpy.types.Operator):
+    bl_idname = "object.turgor_fold_loss_measure"
+    bl_label = "Measure"
+    bl_description = "Take the largest loss of the active joint over the scene's frames, or its preview range"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        ob = character_of(context)
+        if ob is None or stack.volume_modifier(ob) is None or not is_editable(ob):
+            cls.poll_message_set("The active object has no Turgor Volume of its own")
+            return False
+        return 0 <= ob.turgor.active_joint < len(ob.turgor.joints)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        ob = character_of(context)
+        joint = ob.turgor.joints[ob.turgor.active_joint]
+        try:
+            motion = measuring.measure(ob, measuring.scene_frames(context.scene))
+        except ValueError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        loss = motion.fold_losses.get(joint.name, 0.0)
+        if loss < LEAST_LOSS:
+            self.report({"WARNING"}, "The joint loses no volume in these frames")
+            return {"CANCELLED"}
+        joint.fold_loss = loss
+        return {"FINISHED"}
