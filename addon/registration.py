@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from . import handlers, properties, translations
+from .operators import joint_presets
 from .operators.add import OBJECT_OT_turgor_volume_add
 from .operators.add import draw as draw_add
 from .operators.bake import OBJECT_OT_turgor_bake, OBJECT_OT_turgor_bake_remove
@@ -23,6 +24,7 @@ from .overlays import volume as volume_overlay
 from .panels.bake import TURGOR_PT_bake, TURGOR_PT_baked, TURGOR_PT_spine_bake
 from .panels.curves import TURGOR_PT_curves
 from .panels.display import TURGOR_PT_display, TURGOR_PT_performance
+from .panels.joint_presets import TURGOR_PT_joint_presets
 from .panels.joints import TURGOR_MT_joints, TURGOR_UL_joints
 from .panels.masks import TURGOR_PT_masks
 from .panels.sidebar import TURGOR_PT_sidebar
@@ -44,6 +46,9 @@ CLASSES = (
     OBJECT_OT_turgor_mask_paint,
     OBJECT_OT_turgor_bake,
     OBJECT_OT_turgor_bake_remove,
+    joint_presets.OBJECT_OT_turgor_joint_preset,
+    joint_presets.OBJECT_OT_turgor_joint_preset_add,
+    TURGOR_PT_joint_presets,
     TURGOR_UL_joints,
     TURGOR_MT_joints,
     TURGOR_PT_volume,
@@ -68,6 +73,7 @@ def register() -> None:
         bpy.utils.register_class(cls)
     bpy.types.OBJECT_MT_modifier_add_deform.append(draw_add)
     bpy.types.OBJECT_MT_modifier_add_deform.append(draw_add_spine)
+    joint_presets.register()
     handlers.register()
     spine_overlay.register()
     volume_overlay.register()
@@ -77,6 +83,7 @@ def unregister() -> None:
     volume_overlay.unregister()
     spine_overlay.unregister()
     handlers.unregister()
+    joint_presets.unregister()
     bpy.types.OBJECT_MT_modifier_add_deform.remove(draw_add_spine)
     bpy.types.OBJECT_MT_modifier_add_deform.remove(draw_add)
     for cls in reversed(CLASSES):

@@ -70,12 +70,12 @@ def whole() -> tuple[int, int, int, int]:
     return 0, 0, window.width, window.height
 
 
-def _set_up(picture: Picture, folder: Path) -> None:
+def _set_up(picture: Picture, *_arguments: object) -> None:
     picture.set_up()
-    _redraw(picture, folder)
+    _redraw()
 
 
-def _redraw(picture: Picture, folder: Path) -> None:
+def _redraw(*_arguments: object) -> None:
     for found in bpy.context.window_manager.windows[0].screen.areas:
         found.tag_redraw()
 

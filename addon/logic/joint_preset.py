@@ -71,10 +71,10 @@ def from_text(text: str) -> JointPreset:
         raise PresetError(message("Not a joint preset of Turgor: {error}", error=error)) from error
     if not isinstance(fields, dict) or "turgor_joint" not in fields:
         raise PresetError("Not a joint preset of Turgor: it has no turgor_joint")
-    if fields["turgor_joint"] != FORMAT:
-        raise PresetError(
-            message("The preset is of format {found}, this Turgor reads {known}", found=fields["turgor_joint"], known=FORMAT)
-        )
+    found = fields["turgor_joint"]
+    if found != FORMAT:
+        text = message("The preset is of format {found}, this Turgor reads {known}", found=found, known=FORMAT)
+        raise PresetError(text)
     return JointPreset(
         _number(fields, "strength", 0.0),
         _number(fields, "size", 0.0),
@@ -124,7 +124,9 @@ def _point(found: object) -> Point:
 
 def _number(fields: Mapping[str, object], name: str, least: float, most: float = float("inf")) -> float:
     found = fields.get(name)
-    if isinstance(found, bool) or not isinstance(found, int | float) or not isfinite(found) or not least <= found <= most:
+    if isinstance(found, bool) or not isinstance(found, int | float):
+        raise _wrong(name, found)
+    if not (isfinite(found) and least <= found <= most):
         raise _wrong(name, found)
     return float(found)
 

@@ -6,6 +6,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..properties.joint import TurgorJoint
+from .joint_presets import TURGOR_PT_joint_presets
 
 
 def active_joint(ob: bpy.types.Object) -> TurgorJoint | None:
@@ -21,7 +22,9 @@ def draw_joint(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
     if joint is None:
         return
     edited, title = edited_settings(ob, joint)
-    layout.label(text=title, icon="BONE_DATA", translate=False)
+    header = layout.row()
+    header.label(text=title, icon="BONE_DATA", translate=False)
+    TURGOR_PT_joint_presets.draw_panel_header(header)
     column = layout.column()
     column.use_property_split = True
     column.prop(edited, "preset")

@@ -44,9 +44,7 @@ def draw(mapping: bpy.types.CurveMapping, table: NDArray[np.float64]) -> None:
 
     Points that later ones made needless are taken away again: artists drag few points better than many.
     """
-    mapping.extend = "HORIZONTAL"
-    mapping.use_clip = True
-    mapping.clip_min_x, mapping.clip_min_y, mapping.clip_max_x, mapping.clip_max_y = 0.0, 0.0, 1.0, 1.0
+    _set_range(mapping)
     key = table.tobytes()
     if key not in _fitted:
         if len(_fitted) >= MOST_FITTED:
@@ -64,6 +62,24 @@ def copy(source: bpy.types.CurveMapping, mapping: bpy.types.CurveMapping) -> Non
     for name in ("clip_min_x", "clip_min_y", "clip_max_x", "clip_max_y"):
         setattr(mapping, name, getattr(source, name))
     mapping.update()
+
+
+def read(mapping: bpy.types.CurveMapping) -> tuple[tuple[float, float, str], ...]:
+    """Place, height and handle type of each point."""
+    return tuple((*point.location, point.handle_type) for point in mapping.curves[0].points)
+
+
+def write(mapping: bpy.types.CurveMapping, points: Sequence[tuple[float, float, str]]) -> None:
+    """Draw the curve through at least two points, in 0..1, as `read` gives them."""
+    _set_range(mapping)
+    _write_points(mapping.curves[0], tuple((x, y) for x, y, _ in points), [handle for *_, handle in points])
+    mapping.update()
+
+
+def _set_range(mapping: bpy.types.CurveMapping) -> None:
+    mapping.extend = "HORIZONTAL"
+    mapping.use_clip = True
+    mapping.clip_min_x, mapping.clip_min_y, mapping.clip_max_x, mapping.clip_max_y = 0.0, 0.0, 1.0, 1.0
 
 
 def _fit(mapping: bpy.types.CurveMapping, table: NDArray[np.float64]) -> Points:

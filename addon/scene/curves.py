@@ -6,6 +6,8 @@ Each node remembers what was drawn into it, so that an artist's edit is told fro
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import bpy
 import numpy as np
 from numpy.typing import NDArray
@@ -116,6 +118,24 @@ def copy(source: bpy.types.PropertyGroup, profiles: bpy.types.PropertyGroup) -> 
         for mark in (_PRESET, _POINTS, _IS_SYMMETRIC):
             if mark in node:
                 own[mark] = node[mark]
+
+
+def read_points(profiles: bpy.types.PropertyGroup) -> list[tuple[bool, tuple[tuple[float, float, str], ...]]]:
+    """Whether each of the set's three curves is symmetric, and its points; empty without curves."""
+    found = nodes(profiles, profiles.id_data.turgor.curves) or ()
+    return [(is_symmetric(node), curve_points.read(node.mapping)) for node in found]
+
+
+def write_points(
+    profiles: bpy.types.PropertyGroup, shapes: Sequence[tuple[bool, Sequence[tuple[float, float, str]]]]
+) -> None:
+    """Give the set three curves of its own, as `read_points` tells them."""
+    tree = ensure_tree(profiles.id_data)
+    for name, (is_one_sided, points) in zip(_NAMES, shapes, strict=True):
+        node = _own_node(profiles, tree, name)
+        curve_points.write(node.mapping, points)
+        node[_IS_SYMMETRIC], node[_PRESET] = is_one_sided, CUSTOM
+        node[_POINTS] = curve_points.digest(node.mapping)
 
 
 def folded(table: Table) -> Table:

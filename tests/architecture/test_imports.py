@@ -14,6 +14,7 @@ JOINING = {"logic", "scene", "properties", "runtime", "messages"}
 ALLOWED_PARTS = {
     "messages": set(),
     "translations": set(),
+    "presets": set(),
     "logic": {"messages"},
     "scene": {"messages"},
     "properties": set(),

@@ -1,0 +1,76 @@
+"""Joints -> presets as text, and back. Main thread only."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..logic import joint_preset
+from ..logic.joint_preset import Curve, JointPreset, PresetError, Profiles
+from ..messages import message
+from ..properties.joint import TurgorJoint
+from ..properties.profiles import ProfileSet
+from ..scene import curves
+
+
+def text_of(joint: TurgorJoint) -> str:
+    """All settings and curves of a joint."""
+    preset = JointPreset(
+        joint.strength,
+        joint.size,
+        joint.blend_mode,
+        joint.blend,
+        joint.fold_loss,
+        _read(joint),
+        _read(joint.second),
+    )
+    return joint_preset.to_text(preset)
+
+
+def apply(text: str, joints: list[TurgorJoint]) -> None:
+    """Give all joints what the text says. Raises PresetError, with no joint changed."""
+    preset = joint_preset.from_text(text)
+    _check_words(preset)
+    for joint in joints:
+        _write(joint, preset.first)
+        _write(joint.second, preset.second)
+        # After the presets: Belly brings a blend of its own.
+        for name in ("strength", "size", "blend_mode", "blend", "fold_loss"):
+            setattr(joint, name, getattr(preset, name))
+
+
+def _read(profiles: ProfileSet) -> Profiles:
+    found = curves.read_points(profiles) if profiles.preset == "CUSTOM" else []
+    return Profiles(
+        profiles.preset,
+        profiles.curve_source,
+        profiles.use_auto_shares,
+        tuple(profiles.shares),
+        tuple(Curve(is_symmetric, points) for is_symmetric, points in found),
+    )
+
+
+def _write(profiles: ProfileSet, given: Profiles) -> None:
+    profiles.preset = given.preset
+    profiles.curve_source = given.curve_source
+    profiles.use_auto_shares = given.use_auto_shares
+    profiles.shares_before = profiles.shares = given.shares
+    if given.preset == "CUSTOM" and given.curves:
+        profiles.is_symmetric = tuple(curve.is_symmetric for curve in given.curves)
+        curves.write_points(profiles, given.curves)
+
+
+def _check_words(preset: JointPreset) -> None:
+    _check(TurgorJoint, "blend_mode", preset.blend_mode)
+    for profiles in (preset.first, preset.second):
+        _check(TurgorJoint, "preset", profiles.preset)
+        _check(TurgorJoint, "curve_source", profiles.curve_source)
+        handles = bpy.types.CurveMapPoint.bl_rna.properties["handle_type"].enum_items
+        for curve in profiles.curves:
+            for *_, handle in curve.points:
+                if handle not in handles:
+                    raise PresetError(message("The preset's {name} cannot be {found}", name="handle", found=handle))
+
+
+def _check(owner: type, name: str, word: str) -> None:
+    if word not in owner.bl_rna.properties[name].enum_items:
+        raise PresetError(message("The preset's {name} cannot be {found}", name=name, found=word))

@@ -1,0 +1,81 @@
+"""Presets as text: what is written reads back equal, what is broken says so, nothing is run."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+joint_preset = importlib.import_module("addon.logic.joint_preset")
+SHIPPED = sorted((Path(__file__).resolve().parents[2] / "addon" / "presets" / "turgor" / "joint").glob("*.py"))
+
+unit = st.floats(0.0, 1.0)
+points = st.lists(st.tuples(unit, unit, st.sampled_from(["AUTO", "VECTOR"])), min_size=2, max_size=5).map(tuple)
+curve = st.builds(joint_preset.Curve, st.booleans(), points)
+profiles = st.builds(
+    joint_preset.Profiles,
+    st.sampled_from(["MUSCLE", "CUSTOM"]),
+    st.sampled_from(["MUSCLE", "FOLDS"]),
+    st.booleans(),
+    st.tuples(unit, unit, unit),
+    st.one_of(st.just(()), st.tuples(curve, curve, curve)),
+)
+positive = st.floats(0.0, 1e6)
+presets = st.builds(
+    joint_preset.JointPreset, positive, positive, st.sampled_from(["NONE", "LOSS"]), unit, positive, profiles, profiles
+)
+
+
+@given(presets)
+def test_what_is_written_reads_back_equal(preset):
+    assert joint_preset.from_text(joint_preset.to_text(preset)) == preset
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_shipped_presets_read(path: Path):
+    text = path.read_text(encoding="utf-8")
+    assert text.startswith(joint_preset.FIRST_LINE)
+    preset = joint_preset.from_text(text)
+    assert joint_preset.from_text(joint_preset.to_text(preset)) == preset
+
+
+def test_presets_are_shipped():
+    assert SHIPPED
+
+
+GOOD = joint_preset.to_text(
+    joint_preset.JointPreset(
+        1.0,
+        1.0,
+        "NONE",
+        0.0,
+        0.1,
+        joint_preset.Profiles("MUSCLE", "MUSCLE", True, (0.0, 0.0, 1.0), ()),
+        joint_preset.Profiles("MUSCLE", "MUSCLE", True, (0.0, 0.0, 1.0), ()),
+    )
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("", "Not a joint preset"),
+        ("{", "Not a joint preset"),
+        ("[1, 2]", "Not a joint preset"),
+        ("__import__('os').getcwd()", "Not a joint preset"),
+        ("{'turgor_joint': 99}", "format 99"),
+        (GOOD.replace("'strength': 1.0", "'strength': -1.0"), "strength"),
+        (GOOD.replace("'strength': 1.0", "'strength': 1e999"), "strength"),
+        (GOOD.replace("'strength': 1.0", "'strength': 'much'"), "strength"),
+        (GOOD.replace("'blend_mode': 'NONE'", "'blend_mode': 3"), "blend_mode"),
+        (GOOD.replace("'curves': []", "'curves': [1]"), "curves"),
+        (GOOD.replace("(0.0, 0.0, 1.0)", "(0.0, 2.0)"), "shares"),
+        (GOOD.replace("(0.0, 0.0, 1.0)", "(0.0, 0.0, 2.0)"), "share"),
+    ],
+)
+def test_what_is_broken_says_so(text: str, told: str):
+    with pytest.raises(joint_preset.PresetError, match=told):
+        joint_preset.from_text(text)
