@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from . import handlers, properties, translations
-from .operators import joint_presets
+from .operators import joint_assets, joint_presets
 from .operators.add import OBJECT_OT_turgor_volume_add
 from .operators.add import draw as draw_add
 from .operators.bake import OBJECT_OT_turgor_bake, OBJECT_OT_turgor_bake_remove
@@ -48,6 +48,7 @@ CLASSES = (
     OBJECT_OT_turgor_bake_remove,
     joint_presets.OBJECT_OT_turgor_joint_preset,
     joint_presets.OBJECT_OT_turgor_joint_preset_add,
+    *joint_assets.CLASSES,
     TURGOR_PT_joint_presets,
     TURGOR_UL_joints,
     TURGOR_MT_joints,
@@ -74,6 +75,7 @@ def register() -> None:
     bpy.types.OBJECT_MT_modifier_add_deform.append(draw_add)
     bpy.types.OBJECT_MT_modifier_add_deform.append(draw_add_spine)
     joint_presets.register()
+    joint_assets.register()
     handlers.register()
     spine_overlay.register()
     volume_overlay.register()
@@ -83,6 +85,7 @@ def unregister() -> None:
     volume_overlay.unregister()
     spine_overlay.unregister()
     handlers.unregister()
+    joint_assets.unregister()
     joint_presets.unregister()
     bpy.types.OBJECT_MT_modifier_add_deform.remove(draw_add_spine)
     bpy.types.OBJECT_MT_modifier_add_deform.remove(draw_add)

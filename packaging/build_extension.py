@@ -50,6 +50,9 @@ def stage(directory: Path, wheels: list[Path]) -> None:
     manifest = directory / "blender_manifest.toml"
     manifest.write_text(filled_manifest(manifest.read_text(), workspace_version(), wheels))
     shutil.copy(REPOSITORY / "LICENSE", directory)
+    # Its own process: Blender's module can be started once.
+    assets = directory / "assets" / "turgor_joints.blend"
+    subprocess.run([sys.executable, REPOSITORY / "packaging" / "build_assets.py", assets], check=True)
 
 
 def main() -> None:

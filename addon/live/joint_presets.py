@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import bpy
+import numpy as np
+from numpy.typing import NDArray
 
-from ..logic import joint_preset
+from ..logic import joint_preset, profile_picture
+from ..logic import profiles as presets
 from ..logic.joint_preset import Curve, JointPreset, PresetError, Profiles
 from ..messages import message
 from ..properties.joint import TurgorJoint
@@ -24,6 +27,13 @@ def text_of(joint: TurgorJoint) -> str:
         _read(joint.second),
     )
     return joint_preset.to_text(preset)
+
+
+def picture_of(joint: TurgorJoint) -> NDArray[np.float32]:
+    """(n, n, 4) RGBA of its first set."""
+    own = curves.nodes(joint, joint.id_data.turgor.curves) if joint.preset == "CUSTOM" else None
+    tables = presets.preset_tables(joint.preset) if own is None else curves.sample(joint, joint.id_data.turgor.curves)
+    return profile_picture.picture(tables)
 
 
 def apply(text: str, joints: list[TurgorJoint]) -> None:

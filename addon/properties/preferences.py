@@ -21,3 +21,4 @@ class TurgorPreferences(bpy.types.AddonPreferences):
 
     def draw(self, context: bpy.types.Context) -> None:
         self.layout.prop(self, "route")
+        self.layout.operator("preferences.turgor_asset_library", icon="ASSET_MANAGER")
