@@ -7,6 +7,7 @@ import importlib
 import sys
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import bpy
 import numpy as np
@@ -32,20 +33,21 @@ def main() -> None:
     joint_preset, profile_picture, curve_points, joint_assets = parts_of_addon()
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    scratch = bpy.data.node_groups.new("Scratch", "ShaderNodeTree").nodes.new("ShaderNodeFloatCurve")
+    scratch: Any = bpy.data.node_groups.new("Scratch", "ShaderNodeTree")
+    mapping = scratch.nodes.new("ShaderNodeFloatCurve").mapping
 
-    def table(curve: object) -> np.ndarray:
-        curve_points.write(scratch.mapping, curve.points)
-        sampled = curve_points.sample(scratch.mapping, 65)
+    def table(curve: Any) -> np.ndarray:
+        curve_points.write(mapping, curve.points)
+        sampled = curve_points.sample(mapping, 65)
         return np.concatenate([sampled[:0:-1], sampled]) if curve.is_symmetric else sampled
 
     for path in sorted(PRESETS.glob("*.py")):
         text = path.read_text(encoding="utf-8")
         curves = joint_preset.from_text(text).first.curves
-        tables = [table(curve) for curve in curves] or [np.zeros(2)] * 3
-        name = bpy.path.display_name(path.stem)
-        joint_assets.create(name, text, profile_picture.picture(tables))
-    bpy.data.node_groups.remove(scratch.id_data)
+        # What the engine draws by itself has no curves here, and Blender's own icon.
+        picture = profile_picture.picture([table(curve) for curve in curves]) if curves else None
+        joint_assets.create(bpy.path.display_name(path.stem), text, picture)
+    bpy.data.node_groups.remove(scratch)
     output.parent.mkdir(parents=True, exist_ok=True)
     bpy.ops.wm.save_as_mainfile(filepath=str(output), compress=True)
 

@@ -139,6 +139,7 @@ class TURGOR_MT_joints(bpy.types.Menu):
         layout.operator("object.turgor_joint_to_bone", icon="BONE_DATA")
         layout.operator("object.turgor_joint_from_bone")
         layout.separator()
+        layout.operator("object.turgor_joint_asset_add", icon="ASSET_MANAGER")
         layout.operator("object.turgor_volume_measure", icon="TIME")
 
 

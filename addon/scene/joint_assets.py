@@ -10,16 +10,17 @@ TEXT_MARK = "turgor_joint"
 DESCRIPTION = "Settings and curves of a joint of Turgor Volume"
 
 
-def create(name: str, text: str, picture: NDArray[np.float32]) -> bpy.types.NodeTree:
-    """An asset of this file. picture: (n, n, 4) RGBA, rows from the bottom up."""
+def create(name: str, text: str, picture: NDArray[np.float32] | None) -> bpy.types.NodeTree:
+    """An asset of this file. picture: (n, n, 4) RGBA, rows from the bottom up; None for Blender's own icon."""
     tree = bpy.data.node_groups.new(name, "ShaderNodeTree")
     tree[TEXT_MARK] = text
     tree.asset_mark()
     tree.asset_data.description = DESCRIPTION
     tree.asset_data.tags.new("Turgor", skip_if_exists=True)
-    preview = tree.preview_ensure()
-    preview.image_size = picture.shape[:2]
-    preview.image_pixels_float.foreach_set(np.ascontiguousarray(picture).ravel())
+    if picture is not None:
+        preview = tree.preview_ensure()
+        preview.image_size = picture.shape[:2]
+        preview.image_pixels_float.foreach_set(np.ascontiguousarray(picture).ravel())
     return tree
 
 

@@ -27,7 +27,8 @@
                 "is_symmetric": True,
                 "points": (
                     (0, 1, "AUTO_CLAMPED"),
-                    (0.2, 0.62, "AUTO_CLAMPED"),
+                    (0.05, 0.99, "AUTO_CLAMPED"),
+                    (0.22, 0.6, "AUTO_CLAMPED"),
                     (0.5, 0.06, "AUTO_CLAMPED"),
                     (1, 0, "AUTO_CLAMPED"),
                 ),

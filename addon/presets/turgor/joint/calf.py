@@ -27,7 +27,8 @@
                 "is_symmetric": True,
                 "points": (
                     (0, 1, "AUTO_CLAMPED"),
-                    (0.25, 0.5, "AUTO_CLAMPED"),
+                    (0.05, 0.99, "AUTO_CLAMPED"),
+                    (0.27, 0.48, "AUTO_CLAMPED"),
                     (0.55, 0.05, "AUTO_CLAMPED"),
                     (1, 0, "AUTO_CLAMPED"),
                 ),

@@ -16,7 +16,8 @@
                 "is_symmetric": True,
                 "points": (
                     (0, 1, "AUTO_CLAMPED"),
-                    (0.25, 0.5, "AUTO_CLAMPED"),
+                    (0.05, 0.99, "AUTO_CLAMPED"),
+                    (0.27, 0.48, "AUTO_CLAMPED"),
                     (0.5, 0.08, "AUTO_CLAMPED"),
                     (1, 0, "AUTO_CLAMPED"),
                 ),
@@ -24,8 +25,9 @@
             {
                 "is_symmetric": True,
                 "points": (
-                    (0, 0.6, "AUTO_CLAMPED"),
-                    (0.2, 1, "AUTO_CLAMPED"),
+                    (0, 0.7, "AUTO_CLAMPED"),
+                    (0.05, 0.71, "AUTO_CLAMPED"),
+                    (0.22, 1, "AUTO_CLAMPED"),
                     (0.45, 0.3, "AUTO_CLAMPED"),
                     (1, 0, "AUTO_CLAMPED"),
                 ),
