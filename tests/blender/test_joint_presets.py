@@ -126,3 +126,37 @@ def test_own_presets_are_kept_found_and_removed(tmp_path: Path, monkeypatch: pyt
 def _folder(path: Path) -> str:
     path.mkdir(parents=True, exist_ok=True)
     return str(path)
+
+
+def test_an_asset_gives_another_file_the_same_shape(tmp_path: Path, presets):
+    ob, _ = character()
+    add_turgor(ob)
+    _edit(ob, _choose(ob, "Bone1"))
+    text = presets.text_of(ob.turgor.joints["Bone1"])
+    assert bpy.ops.object.turgor_joint_asset_add(name="Arm") == {"FINISHED"}
+    tree = bpy.data.node_groups["Arm"]
+    assert tree.asset_data is not None
+    assert "Turgor" in tree.asset_data.tags
+    assert tuple(tree.preview.image_size) == (128, 128)
+    path = str(tmp_path / "assets.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    other, _ = character()
+    add_turgor(other)
+    _choose(other, "Bone1")
+    assert bpy.ops.object.turgor_joint_asset_apply(filepath=path, asset="Arm") == {"FINISHED"}
+    assert presets.text_of(other.turgor.joints["Bone1"]) == text
+    assert "Arm" not in bpy.data.node_groups
+
+
+@pytest.mark.parametrize("asset", ["Plain", "Missing"])
+def test_an_asset_of_another_kind_changes_nothing(asset: str, presets):
+    ob, _ = character()
+    add_turgor(ob)
+    joint = _choose(ob, "Bone1")
+    before = presets.text_of(joint)
+    bpy.data.node_groups.new("Plain", "ShaderNodeTree").asset_mark()
+    with pytest.raises(RuntimeError, match="no joint of Turgor"):
+        bpy.ops.object.turgor_joint_asset_apply(asset=asset)
+    assert presets.text_of(joint) == before
