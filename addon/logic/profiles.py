@@ -83,7 +83,7 @@ def _directed_shares() -> dict[str, tuple[float, float, float]]:
     names: dict[str, presets.PresetName] = {**_NAMES, "BELLY_FOLDED": "belly"}
     for saved, name in names.items():
         shares = presets.DEFAULT_SHARES[name]
-        if shares != "auto":
+        if shares != "auto" and len(shares) == 3:
             found[saved] = shares
     return found
 
