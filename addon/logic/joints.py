@@ -33,7 +33,7 @@ def engine_joint(joint: JointSettings) -> turgor.Joint:
         if first.preset == "ISOTROPIC":
             tables = None
     elif joint.blend is None:
-        options = {"folded_profile": profiles.tables(second)[0], "folded_loss_relative": as_written(joint.fold_loss)}
+        options = {"folded_profiles": profiles.tables(second), "folded_loss_relative": as_written(joint.fold_loss)}
     else:
         tables = profiles.mixed_tables(tables, profiles.tables(second), joint.blend)
         parts = profiles.mixed_parts(parts, profiles.parts(second), joint.blend)

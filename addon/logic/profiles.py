@@ -70,7 +70,7 @@ def engine_shares(parts: Parts) -> turgor.presets.Shares:
     """As `turgor.Joint` takes them."""
     if parts == AUTOMATIC:
         return "auto"
-    return parts if parts[3] > 0.0 else parts[:3]  # pyright: ignore[reportReturnType]
+    return parts if parts[3] > 0.0 else parts[:3]
 
 
 _NAMES: dict[str, presets.PresetName] = {name.upper(): name for name in presets.DEFAULT_SHARES}
@@ -83,7 +83,7 @@ def _directed_shares() -> dict[str, tuple[float, float, float]]:
     names: dict[str, presets.PresetName] = {**_NAMES, "BELLY_FOLDED": "belly"}
     for saved, name in names.items():
         shares = presets.DEFAULT_SHARES[name]
-        if shares != "auto" and len(shares) == 3:
+        if shares != "auto":
             found[saved] = shares
     return found
 

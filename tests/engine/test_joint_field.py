@@ -141,6 +141,62 @@ def test_folding_shows_in_gamma():
     assert 0.0 < steps[1] < steps[2]
 
 
+@given(seeds, st.floats(0.01, 1.0))
+def test_each_profile_turns_into_its_second_as_the_loss_grows(seed: int, most: float):
+    rng = np.random.default_rng(seed)
+    rig = limb(rings=65, sides=16)
+    pose = rig.random_pose(rng, 1.0)
+    second = (np.maximum(X, 0.0), 1.0 - X**4, 0.2 + np.abs(X))
+    settings = {"folded_profiles": second, "folded_loss_relative": most}
+    body = rig.body(joints=[turgor.Joint(bone, profiles=CURVES, **settings) for bone in range(3)])
+    losses = dict(zip(body.joint_bones, body.deform(pose).report.joint_losses, strict=True))
+    skinned = rig.skinning().deform(rig.surface.positions, pose)
+    constant = fields(rig, pose, (np.ones(2),) * 3)
+    for bone in (1, 2):
+        field, everywhere, bell = (
+            f[bone] for f in (fields(rig, pose, CURVES, **settings), constant, fields(rig, pose))
+        )
+        part = min(abs(losses[bone]) / (most * 0.1 * field.length**3), 1.0)
+        x = in_lengths(field, skinned).T
+        first_heights, second_heights = (
+            [np.interp(xi, X, y, 0.0, 0.0) for xi, y in zip(x, curves, strict=True)] for curves in (CURVES, second)
+        )
+        heights = np.prod(
+            [(1 - part) * f + part * g for f, g in zip(first_heights, second_heights, strict=True)], axis=0
+        )
+        rounds = (1.0 - field.axes_share) * bell.gamma
+        drawn, whole = field.gamma - rounds, everywhere.gamma - rounds
+        inside = (np.abs(x) < 0.999).all(axis=0)
+        np.testing.assert_allclose(drawn[inside], (whole * heights)[inside], atol=2e-3)
+
+
+@pytest.mark.parametrize("solver", ["simultaneous", "sequential"])
+def test_folding_to_the_end_is_having_the_second_profiles(solver):
+    rig = limb(rings=65, sides=16)
+    pose = rig.bent(1.0)
+    second = (1.0 - X**2, np.maximum(X, 0.0), 1.0 - X**4)
+
+    def deformed(profiles, **settings) -> np.ndarray:
+        joints = [turgor.Joint(bone, (0.2, 0.3, 0.5), profiles, **settings) for bone in range(3)]
+        return rig.body(joints=joints, solver=solver).deform(pose).positions
+
+    folded = deformed(CURVES, folded_profiles=second, folded_loss_relative=1e-6)
+    np.testing.assert_allclose(folded, deformed(second), atol=1e-6)
+    hardly = deformed(CURVES, folded_profiles=second, folded_loss_relative=1e9)
+    np.testing.assert_allclose(hardly, deformed(CURVES), atol=1e-6)
+    assert np.abs(folded - hardly).max() > 1e-3
+    assert np.array_equal(deformed(CURVES, folded_profiles=CURVES), deformed(CURVES))
+
+
+def test_folded_profiles_that_are_none():
+    with pytest.raises(turgor.TurgorError, match="folded_profiles: need profiles too"):
+        turgor.Joint(0, folded_profiles=CURVES)
+    with pytest.raises(turgor.TurgorError, match="profile: found 1 values, need 2"):
+        turgor.Joint(0, profiles=CURVES, folded_profiles=([1.0], *CURVES[1:]))
+    with pytest.raises(turgor.TurgorError, match="folded_loss_relative is 0, need a number above 0"):
+        turgor.Joint(0, profiles=CURVES, folded_profiles=CURVES, folded_loss_relative=0.0)
+
+
 def test_shells_without_an_inside_have_no_gamma():
     both = tube(33, 12).joined(strip())
     rig = chain(both, 3)

@@ -23,6 +23,21 @@ def test_curves_are_soft_and_compact(name):
         assert np.abs(np.diff(curve)).max() < 0.5
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_only_belly_folds_and_only_along_the_parent(name):
+    folded, plain = presets.folded_profiles(name), presets.profiles(name)
+    assert (folded is not None) == (name == "belly")
+    if folded is not None:
+        assert (folded[0] <= plain[0]).all()
+        assert np.count_nonzero(np.diff(np.sign(np.diff(folded[0]))) < 0) > 1
+        assert all(np.array_equal(f, p) for f, p in zip(folded[1:], plain[1:], strict=True))
+
+
+def test_unknown_preset_folds_into_an_error():
+    with pytest.raises(ValueError, match="isotropic, rubber, muscle, folds, belly"):
+        presets.folded_profiles("triceps")  # pyright: ignore[reportArgumentType]
+
+
 @pytest.mark.parametrize("solver", ["simultaneous", "sequential"])
 @pytest.mark.parametrize("name", NAMES)
 def test_volume_is_exact(name, solver):

@@ -62,7 +62,7 @@ impl FieldFrame {
             let mut steepness = profiles.axes[0].steepness();
             if let Some((folded, loss)) = &profiles.folded {
                 frame.folded = (volume.abs() / (loss * VICINITY_VOLUME * length.powi(3))).min(1.0);
-                steepness += (folded.steepness() - steepness) * frame.folded;
+                steepness += (folded[0].steepness() - steepness) * frame.folded;
             }
             frame.displacement_max = frame.displacement_max.min(SLOPE_MAX / steepness.max(SLOPE_MAX) * length);
         }
@@ -101,17 +101,16 @@ impl FieldFrame {
     #[inline]
     pub fn height(&self, profiles: &Profiles, p: DVec3) -> f64 {
         let x = (p - self.origin) * self.inverse_length;
-        let [a, b, c] = self.axes.map(|e| e.dot(x));
-        let height = profiles.axes[1].at(b) * profiles.axes[2].at(c);
-        if height <= 0.0 {
-            return 0.0;
-        }
-        let plain = profiles.axes[0].at(a);
-        height
-            * match &profiles.folded {
-                Some((folded, _)) => plain + (folded.at(a) - plain) * self.folded,
+        let at = |axis: usize| {
+            let x = self.axes[axis].dot(x);
+            let plain = profiles.axes[axis].at(x);
+            match &profiles.folded {
+                Some((folded, _)) => plain + (folded[axis].at(x) - plain) * self.folded,
                 None => plain,
             }
+        };
+        let height = at(1) * at(2);
+        if height > 0.0 { height * at(0) } else { 0.0 }
     }
 }
 

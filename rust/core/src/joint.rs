@@ -47,8 +47,8 @@ impl Default for Shares {
 pub struct Profiles {
     /// One curve per axis.
     pub axes: [Profile; 3],
-    /// Curve of axis 0 at full loss, and the loss, relative to the component, at which it is reached.
-    pub folded: Option<(Profile, f64)>,
+    /// Curves they turn into as more is lost, and the loss, over the volume of the joint's vicinity, that reaches them.
+    pub folded: Option<([Profile; 3], f64)>,
 }
 
 /// How the volume lost at the joint at the head of `bone` is given back.

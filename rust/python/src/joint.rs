@@ -34,22 +34,28 @@ pub fn bone_index(bone: i64) -> PyResult<usize> {
 #[pymethods]
 impl Joint {
     #[new]
-    #[pyo3(signature = (bone, shares=None, profiles=None, *, folded_profile=None, folded_loss_relative=0.1, strength=1.0, size=1.0))]
+    #[pyo3(signature = (bone, shares=None, profiles=None, *, folded_profiles=None, folded_loss_relative=0.1, strength=1.0, size=1.0))]
     fn new(
         bone: i64,
         shares: Option<&Bound<'_, PyAny>>,
         profiles: Option<[Bound<'_, PyAny>; 3]>,
-        folded_profile: Option<&Bound<'_, PyAny>>,
+        folded_profiles: Option<[Bound<'_, PyAny>; 3]>,
         folded_loss_relative: f64,
         strength: f64,
         size: f64,
     ) -> PyResult<Self> {
         let bone = bone_index(bone)?;
-        let profile = |samples: &Bound<'_, PyAny>| Profile::new(&arrays::numbers(samples, "profiles")?).map_err(refused);
-        let folded = folded_profile.map(profile).transpose()?.map(|curve| (curve, folded_loss_relative));
+        let curves = |what: &str, [x, y, z]: [Bound<'_, PyAny>; 3]| {
+            let profile = |samples: &Bound<'_, PyAny>| Profile::new(&arrays::numbers(samples, what)?).map_err(refused);
+            Ok::<_, PyErr>([profile(&x)?, profile(&y)?, profile(&z)?])
+        };
+        let folded = folded_profiles.map(|folded| curves("folded_profiles", folded)).transpose()?;
+        let folded = folded.map(|folded| (folded, folded_loss_relative));
         let profiles = match profiles {
-            Some([x, y, z]) => Some(Profiles { axes: [profile(&x)?, profile(&y)?, profile(&z)?], folded }),
-            None if folded.is_some() => return Err(TurgorError::new_err("folded_profile: need profiles too, got None: pass three curves")),
+            Some(profiles) => Some(Profiles { axes: curves("profiles", profiles)?, folded }),
+            None if folded.is_some() => {
+                return Err(TurgorError::new_err("folded_profiles: need profiles too, got None: pass three curves"));
+            }
             None => None,
         };
         let joint = turgor::Joint { bone, shares: read_shares(shares)?, profiles, strength, size };

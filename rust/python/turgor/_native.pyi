@@ -137,8 +137,8 @@ class Joint:
         numbers are four with a 0. Only their ratios count.
     profiles: three 1D curves over x in [-1, 1] of the joint's length, each a sequence of at least 2 samples at even
         spacing, zero outside; samples below 0 count as 0. None: the isotropic bell.
-    folded_profile: second curve for axis 0, reached as the loss approaches `folded_loss_relative` of the volume of the
-        joint's vicinity, a tenth of its length cubed (Belly); None: no change with loss.
+    folded_profiles: three curves that the profiles turn into as the loss approaches `folded_loss_relative` of the
+        volume of the joint's vicinity, a tenth of its length cubed (Belly); None: no change with loss.
     strength: part of the loss given back, >= 0. size: factor on the joint's automatic length, > 0.
     """
 
@@ -148,7 +148,7 @@ class Joint:
         shares: Shares | None = None,
         profiles: tuple[ArrayLike, ArrayLike, ArrayLike] | None = None,
         *,
-        folded_profile: ArrayLike | None = None,
+        folded_profiles: tuple[ArrayLike, ArrayLike, ArrayLike] | None = None,
         folded_loss_relative: float = 0.1,
         strength: float = 1.0,
         size: float = 1.0,

@@ -42,7 +42,7 @@ def _waves(frequency: float) -> Profile:
     return np.square(np.sin(np.pi * frequency * _X))
 
 
-DEFAULT_SHARES: dict[PresetName, Shares] = {
+DEFAULT_SHARES: dict[PresetName, tuple[float, float, float] | Literal["auto"]] = {
     "isotropic": "auto",
     "rubber": (0.0, 1.0, 0.0),
     "muscle": (0.1, 0.1, 0.8),
@@ -69,10 +69,8 @@ def profiles(preset: PresetName) -> tuple[Profile, Profile, Profile]:
 
 def folded_profiles(preset: PresetName) -> tuple[Profile, Profile, Profile] | None:
     """The curves that a preset turns into as its joint loses volume; None where it keeps its own."""
-    if preset != "belly":
-        return None
-    _, y, z = profiles(preset)
-    return bell(BELLY_WIDTHS[0]) * _waves(FOLD_FREQUENCY), y, z
+    x, y, z = profiles(preset)
+    return (x * _waves(FOLD_FREQUENCY), y, z) if preset == "belly" else None
 
 
 def joint(
@@ -85,12 +83,11 @@ def joint(
 ) -> Joint:
     """The joint of a preset by name; shares None: those of the preset."""
     curves = None if preset == "isotropic" else profiles(preset)
-    folded = folded_profiles(preset)
     return Joint(
         bone,
         DEFAULT_SHARES[preset] if shares is None else shares,
         curves,
-        folded_profile=None if folded is None else folded[0],
+        folded_profiles=folded_profiles(preset),
         strength=strength,
         size=size,
     )
