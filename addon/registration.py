@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from . import handlers, properties, translations
+from .commands import command_line
 from .operators import joint_assets, joint_presets
 from .operators.add import OBJECT_OT_turgor_volume_add
 from .operators.add import draw as draw_add
@@ -79,9 +80,11 @@ def register() -> None:
     handlers.register()
     spine_overlay.register()
     volume_overlay.register()
+    command_line.register()
 
 
 def unregister() -> None:
+    command_line.unregister()
     volume_overlay.unregister()
     spine_overlay.unregister()
     handlers.unregister()

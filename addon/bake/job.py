@@ -82,6 +82,17 @@ class Job:
         return self._baking.report
 
     @property
+    def chunk_count(self) -> int:
+        """Chunks of all frames."""
+        return -(-len(self._options.frames) // self._chunk_frames)
+
+    @property
+    def _chunk_frames(self) -> int:
+        if self._options.chunk_frames > 0:
+            return self._options.chunk_frames
+        return min(CHUNK_FRAMES, max(CHUNK_BYTES // (POSITION_BYTES * max(self.report.vertex_count, 1)), 1))
+
+    @property
     def chunk_folder(self) -> Path | None:
         """Where finished chunks wait for another try."""
         folder = self._options.folder
@@ -91,11 +102,9 @@ class Job:
         """Main thread only. Raises BakeError, whole_file.WriteError and what the engine raises."""
         started = perf_counter()
         options, baking = self._options, self._baking
-        if options.folder is not None:
-            needed = 2 * len(options.frames) * baking.report.vertex_count * POSITION_BYTES
-            whole_file.check_folder(options.folder, needed)
+        self._check_folder(2 * len(options.frames))
         store = chunk_store.ChunkStore(self.chunk_folder)
-        with closing(self._compute(store)) as steps:
+        with closing(self._compute(store, range(self.chunk_count))) as steps:
             yield from steps
         baking.report.resumed_chunks = store.found_count
         try:
@@ -116,6 +125,28 @@ class Job:
         baking.chunks.clear()
         store.clear()
 
+    def compute(self, numbers: range) -> Iterator[Progress]:
+        """Only these chunks, for a `run` with the same options, in another process or on another machine.
+
+        Raises as `run`, and BakeError without a folder to leave them in.
+        """
+        if self._options.folder is None:
+            raise BakeError("Chunks need a folder: save the file first, or choose one")
+        self._check_folder(min(len(numbers) * self._chunk_frames, len(self._options.frames)))
+        with closing(self._compute(chunk_store.ChunkStore(self.chunk_folder), numbers)) as steps:
+            yield from (Progress(step.part / FRAMES_DONE, step.text) for step in steps)
+
+    def verify(self, copy: bpy.types.Object) -> Iterator[Progress]:
+        """Compares a copy that was baked earlier: errors go to the report. Raises what the engine raises."""
+        with closing(self._compute(chunk_store.ChunkStore(None), range(self.chunk_count))) as steps:
+            yield from steps
+        self._baking.copy, self._baking.last = copy, baked_copy.shown_by(copy)
+        yield from verification.verify(self._baking)
+
+    def _check_folder(self, frame_count: int) -> None:
+        if self._options.folder is not None:
+            whole_file.check_folder(self._options.folder, frame_count * self.report.vertex_count * POSITION_BYTES)
+
     def _frames_of(self, target: bpy.types.Object) -> VolumeFrames | SpineFrames:
         if target.type == "MESH" and stack.volume_modifier(target) is not None:
             return VolumeFrames(target)
@@ -123,21 +154,21 @@ class Job:
             return SpineFrames(target)
         raise BakeError(f"{target.name} has neither Turgor Volume nor Turgor Spine: there is nothing to bake")
 
-    def _compute(self, store: chunk_store.ChunkStore) -> Iterator[Progress]:
+    def _compute(self, store: chunk_store.ChunkStore, numbers: range) -> Iterator[Progress]:
         """The engine works on a chunk, and another is written, while Blender samples the next."""
-        frames, baking = self._options.frames, self._baking
-        count = min(CHUNK_FRAMES, max(CHUNK_BYTES // (POSITION_BYTES * max(baking.report.vertex_count, 1)), 1))
+        frames, baking, count = self._options.frames, self._baking, self._chunk_frames
+        asked = max(sum(len(frames[number * count : (number + 1) * count]) for number in numbers), 1)
         pending: list[Future[NDArray[np.float32]]] = []
         with ThreadPoolExecutor(1, "turgor-bake") as engine, ThreadPoolExecutor(1, "turgor-write") as disk:
-            for number, start in enumerate(range(0, len(frames), count)):
-                samples = self._source.sample(frames[start : start + count])
+            for number in numbers:
+                samples = self._source.sample(frames[number * count : (number + 1) * count])
                 baking.poses.extend(sample.posed for sample in samples)
                 if len(pending) >= CHUNKS_UNDER_WAY:
                     pending[-CHUNKS_UNDER_WAY].result()
                 found = engine.submit(self._chunk, store, number, samples)
                 pending.append(disk.submit(_kept, store, number, found))
-                done = min(start + count, len(frames))
-                yield Progress(FRAMES_DONE * done / len(frames), f"{done} of {len(frames)} frames")
+                done = len(baking.poses)
+                yield Progress(FRAMES_DONE * done / asked, f"{done} of {asked} frames")
             baking.chunks.extend(future.result() for future in pending)
 
     def _chunk(self, store: chunk_store.ChunkStore, number: int, samples: list) -> _Chunk:

@@ -37,3 +37,5 @@ class Options:
     folder: Path | None = None
     verify: bool = True
     name: str = ""
+    # Frames of a chunk; 0: by the size of the mesh.
+    chunk_frames: int = 0

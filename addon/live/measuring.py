@@ -62,9 +62,15 @@ def quick_frames(target: bpy.types.Object, frames: Sequence[int]) -> list[int]:
 
 
 def measure(
-    target: bpy.types.Object, frames: Sequence[float], *, tell: Callable[[int], None] = lambda done: None
+    target: bpy.types.Object,
+    frames: Sequence[float],
+    *,
+    tell: Callable[[int], None] = lambda done: None,
+    use_test_motion: bool = True,
 ) -> runtime.Motion:
     """Keep figures for a graph and the largest loss of each joint. tell: is told how many frames are done.
+
+    use_test_motion: where nothing moves in these frames, a test range of motion is measured instead.
 
     Raises ValueError where the character is not bound or a frame cannot be read.
     """
@@ -78,7 +84,7 @@ def measure(
     numbers = np.asarray(frames, np.float64)
     samples = _Watched(_samples(target, bound, frames, tell))
     motion = _motion(bound, samples, numbers)
-    if not samples.has_moved:
+    if use_test_motion and not samples.has_moved:
         motion = _motion(bound, _range_of_motion(target, bound), None)
     known.motion = motion
     if is_editable(target):

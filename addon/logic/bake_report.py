@@ -59,16 +59,20 @@ class BakeReport:
         """The largest in size, with its sign."""
         return max((error.volume_error_relative for error in self.errors), key=abs, default=0.0)
 
-    def as_json(self) -> str:
-        """All of it; the same report gives the same text."""
-        found: dict[str, Any] = {"format": FORMAT, **asdict(self)}
-        found |= {
+    def as_dict(self) -> dict[str, Any]:
+        """All of it, for JSON."""
+        return {
+            "format": FORMAT,
+            **asdict(self),
             "max_error": self.max_error,
             "max_error_relative": self.max_error / self.size if self.size else 0.0,
             "rms_error": self.rms_error,
             "volume_error_relative": self.volume_error_relative,
         }
-        return json.dumps(found, indent=1) + "\n"
+
+    def as_json(self) -> str:
+        """The same report gives the same text."""
+        return json.dumps(self.as_dict(), indent=1) + "\n"
 
     def lines(self) -> list[str]:
         """A few lines for a person."""

@@ -64,6 +64,21 @@ def follow_point_cache(copy: bpy.types.Object, path: str, first_frame: float, sa
     return cache.name
 
 
+def shown_by(copy: bpy.types.Object) -> str | None:
+    """Name of the modifier after which a baked copy shows the live positions; None where its keys do."""
+    first = copy.modifiers[0] if len(copy.modifiers) else None
+    if first is None:
+        return None
+    is_cache = first.type == "MESH_CACHE" and copy.data.shape_keys is None
+    return first.name if is_cache or first.type == "ARMATURE" else None
+
+
+def point_caches(ob: bpy.types.Object) -> list[str]:
+    """Absolute paths of the files that its Mesh Cache modifiers follow."""
+    caches = [modifier for modifier in ob.modifiers if modifier.type == "MESH_CACHE" and modifier.filepath]
+    return [bpy.path.abspath(cache.filepath, library=ob.library) for cache in caches]
+
+
 @contextmanager
 def watched(copy: bpy.types.Object, last: str | None) -> Iterator[Sampler]:
     """Its positions after the modifier named `last`, None for before all, in a scene of its own."""

@@ -26,6 +26,7 @@ ALLOWED_PARTS = {
     "handlers": JOINING | {"live", "migrations"},
     "bake": JOINING | {"live"},
     "operators": JOINING | {"live", "bake"},
+    "commands": JOINING | {"live", "bake"},
     # Without an engine only the panel that says so is shown.
     "__init__": {"registration", "panels"},
 }
@@ -71,9 +72,15 @@ def test_scene_does_not_compute(path: Path):
     assert "turgor" not in roots(imported_modules(path))
 
 
+# Runs the extension's commands in Blender's Python module; nothing of the package imports it.
+COMMAND_LINE = REPOSITORY / "rust/python/turgor/blender.py"
+
+
 @pytest.mark.parametrize("path", python_files("rust/python"), ids=name_of)
 def test_engine_knows_neither_blender_nor_the_extension(path: Path):
-    assert not roots(imported_modules(path)) & (BLENDER | {"addon"})
+    modules = imported_modules(path)
+    assert "turgor.blender" not in modules
+    assert not roots(modules) & ({"addon"} if path == COMMAND_LINE else BLENDER | {"addon"})
 
 
 @pytest.mark.parametrize("path", python_files("addon"), ids=name_of)

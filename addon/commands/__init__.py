@@ -1,0 +1,1 @@
+"""The command line: `blender -b FILE --command turgor check|report|bake|verify`, without any window."""
