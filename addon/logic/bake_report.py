@@ -83,7 +83,7 @@ class BakeReport:
         found.append(f"{self.byte_count / 1e6:.1f} MB in {self.seconds:.1f} s")
         if self.errors:
             found.append(
-                f"Largest error {self.max_error * percent:.2g} % of the size, mean {self.rms_error * percent:.2g} %"
+                f"Largest error {self.max_error * percent:.2g} % of the size, RMS {self.rms_error * percent:.2g} %"
             )
             found.append(f"Volume within {100.0 * self.volume_error_relative:+.2g} %")
         if self.held_out_error is not None:

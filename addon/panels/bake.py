@@ -60,6 +60,7 @@ class TURGOR_PT_baked(bpy.types.Panel):
         if ob.turgor_bake.other is not None:
             self.layout.label(text=ob.turgor_bake.other.name, icon="OBJECT_DATA", translate=False)
         draw_report(self.layout, context, ob)
+        self.layout.operator("object.turgor_bake_remove", icon="TRASH")
 
 
 def draw_bake(layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy.types.Object) -> None:
