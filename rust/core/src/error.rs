@@ -46,6 +46,10 @@ pub enum Error {
     Trim { start: f64, end: f64, first: f64, last: f64 },
     #[error("posed spine has {found} stations, rest spine has {bound}: make it with as many points, or match by length")]
     StationCount { found: usize, bound: usize },
+    #[error("no bone to give weights to: pass at least one that is not locked")]
+    NoFreeBone,
+    #[error("cancelled: nothing was changed")]
+    Cancelled,
 }
 
 /// Result of a call that checks its input.

@@ -36,6 +36,7 @@ mod volume;
 mod volume_forms;
 mod volume_loss;
 mod volume_skin;
+mod weights;
 mod weld;
 
 pub use error::{Error, Result};
@@ -53,3 +54,4 @@ pub use spine::{
 pub use topology::{Component, Status, Topology};
 pub use volume::VolumeCubic;
 pub use volume_skin::{Options, Solver, VolumeSkin};
+pub use weights::{Bones, Plane, Surface, Symmetry, WeightRows, WeightSettings, Weights, automatic_weights};

@@ -157,7 +157,7 @@ impl Skinning {
     }
 }
 
-fn check_weights(what: &'static str, weights: &[f64]) -> Result<()> {
+pub(crate) fn check_weights(what: &'static str, weights: &[f64]) -> Result<()> {
     if let Some(row) = weights.iter().position(|w| !w.is_finite()) {
         return Err(Error::NotFinite { what, row });
     }

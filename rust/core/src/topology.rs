@@ -84,20 +84,7 @@ impl Topology {
     /// # Errors
     /// Positions that are not finite, indices out of range, faces with fewer than three corners.
     pub fn new(positions: &[DVec3], face_offsets: &[i32], face_corners: &[i32], weld_tolerance: f64) -> Result<Self> {
-        check_finite("rest_positions", positions)?;
-        check_offsets("face_offsets", face_offsets, face_corners.len())?;
-        check_indices("face_corners", face_corners, positions.len())?;
-        if !(0.0..=0.1).contains(&weld_tolerance) {
-            return Err(Error::Value { what: "weld_tolerance", found: weld_tolerance, needed: "a part of the diagonal in 0..0.1" });
-        }
-        if let Some(face) = face_offsets.windows(2).position(|w| w[1] - w[0] < 3) {
-            return Err(Error::Corners { face, found: (face_offsets[face + 1] - face_offsets[face]) as usize });
-        }
-        let mut raw = Csr::default();
-        for w in face_offsets.windows(2) {
-            raw.push_row(face_corners[w[0] as usize..w[1] as usize].iter().map(|&v| v as u32));
-        }
-        let welding = Welding::new(positions, &raw, weld_tolerance);
+        let (raw, welding) = welded(positions, face_offsets, face_corners, weld_tolerance)?;
         let points = mean_by_point(positions, &welding);
         let surface = Surface::new(&raw, &welding, &points);
         Ok(surface.into_topology(positions.len(), welding, &points))
@@ -126,6 +113,61 @@ impl Topology {
             .rows()
             .map(|twins| twins.iter().map(|&v| positions[v as usize]).sum::<DVec3>() / twins.len() as f64)
             .collect()
+    }
+}
+
+/// Checked faces of a mesh as it came, and its welding.
+fn welded(positions: &[DVec3], face_offsets: &[i32], face_corners: &[i32], weld_tolerance: f64) -> Result<(Csr<u32>, Welding)> {
+    check_finite("rest_positions", positions)?;
+    check_offsets("face_offsets", face_offsets, face_corners.len())?;
+    check_indices("face_corners", face_corners, positions.len())?;
+    if !(0.0..=0.1).contains(&weld_tolerance) {
+        return Err(Error::Value { what: "weld_tolerance", found: weld_tolerance, needed: "a part of the diagonal in 0..0.1" });
+    }
+    if let Some(face) = face_offsets.windows(2).position(|w| w[1] - w[0] < 3) {
+        return Err(Error::Corners { face, found: (face_offsets[face + 1] - face_offsets[face]) as usize });
+    }
+    let mut raw = Csr::default();
+    for w in face_offsets.windows(2) {
+        raw.push_row(face_corners[w[0] as usize..w[1] as usize].iter().map(|&v| v as u32));
+    }
+    let welding = Welding::new(positions, &raw, weld_tolerance);
+    Ok((raw, welding))
+}
+
+/// Welded faces turned to agree with their neighbours: what both volumes and weights start from.
+pub struct OrientedFaces {
+    /// (N,) welded point of each vertex.
+    pub point_of_vertex: Vec<u32>,
+    /// Means of the twins of each point.
+    pub points: Vec<DVec3>,
+    /// Faces of all shells, sound or not, as points; those that welding left with fewer than three corners are gone.
+    pub faces: Csr<u32>,
+    /// Shell of each of `faces`.
+    pub shell_of_face: Vec<u32>,
+    /// Shells, one without faces left among them.
+    pub shell_count: usize,
+}
+
+impl OrientedFaces {
+    /// As `Topology::new`, without judging which shells enclose a volume.
+    ///
+    /// # Errors
+    /// As `Topology::new`.
+    pub fn new(positions: &[DVec3], face_offsets: &[i32], face_corners: &[i32], weld_tolerance: f64) -> Result<Self> {
+        let (raw, welding) = welded(positions, face_offsets, face_corners, weld_tolerance)?;
+        let points = mean_by_point(positions, &welding);
+        let surface = Surface::new(&raw, &welding, &points);
+        let (mut faces, mut shell_of_face) = (Csr::default(), Vec::new());
+        for (face, mut corners) in surface.faces.into_iter().enumerate().filter(|(_, corners)| corners.len() > 2) {
+            if surface.flipped[face] {
+                corners.reverse();
+            }
+            faces.push_row(corners);
+            shell_of_face.push(surface.component_of_face[face]);
+        }
+        let shell_count = surface.component_count;
+        Ok(Self { point_of_vertex: welding.point_of_vertex, points, faces, shell_of_face, shell_count })
     }
 }
 

@@ -128,6 +128,10 @@ pub fn indices(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<i32>> {
     read(value, what, "int32", "(N,)", |shape| shape.len() == 1)
 }
 
+pub fn flags(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<bool>> {
+    read(value, what, "bool", "(N,)", |shape| shape.len() == 1)
+}
+
 pub fn from_vectors<'py>(py: Python<'py>, vectors: &[DVec3]) -> Bound<'py, PyArray2<f64>> {
     let flat: Vec<f64> = vectors.iter().flat_map(DVec3::to_array).collect();
     shaped(py, flat)

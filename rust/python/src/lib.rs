@@ -9,10 +9,13 @@ mod report;
 mod skinning;
 mod spine;
 mod volume_skin;
+mod weights;
 
 use pyo3::prelude::*;
 
 pyo3::create_exception!(turgor, TurgorError, pyo3::exceptions::PyValueError, "What was found, what is needed, what to do.");
+
+pyo3::create_exception!(turgor, CancelledError, pyo3::exceptions::PyException, "A progress callback returned False: nothing was changed.");
 
 /// Engine errors become `turgor.TurgorError`.
 #[allow(clippy::needless_pass_by_value, reason = "what map_err hands over")]
@@ -25,6 +28,8 @@ fn refused(error: turgor::Error) -> PyErr {
 mod _native {
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use super::CancelledError;
     #[pymodule_export]
     use super::TurgorError;
     #[pymodule_export]
@@ -41,6 +46,8 @@ mod _native {
     use super::spine::{ClosestPoints, Spine, SpineFrames};
     #[pymodule_export]
     use super::volume_skin::VolumeSkin;
+    #[pymodule_export]
+    use super::weights::{Weights, automatic_weights};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

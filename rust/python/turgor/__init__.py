@@ -13,10 +13,16 @@ Or bend points along a spine, every chunk of flesh keeping its volume::
     spine = turgor.Spine(rest_points)
     flesh = turgor.Fleshing(spine, positions, "radial")
     fleshed = flesh.deform(spine.posed(posed_points), twist=0.5)
+
+Weights that do not fail, for any meshes about some bones::
+
+    found = turgor.automatic_weights([(positions, face_offsets, face_corners)], bone_heads, bone_tails)
+    skin = turgor.Skinning(rig, found.offsets, found.bones, found.weights)
 """
 
 from . import presets
 from ._native import (
+    CancelledError,
     ClosestPoints,
     Component,
     Fleshing,
@@ -34,12 +40,15 @@ from ._native import (
     TurgorError,
     Validity,
     VolumeSkin,
+    Weights,
     __version__,
+    automatic_weights,
     correct,
     flesh,
 )
 
 __all__ = [
+    "CancelledError",
     "ClosestPoints",
     "Component",
     "Fleshing",
@@ -57,7 +66,9 @@ __all__ = [
     "TurgorError",
     "Validity",
     "VolumeSkin",
+    "Weights",
     "__version__",
+    "automatic_weights",
     "correct",
     "flesh",
     "presets",

@@ -1,6 +1,6 @@
 """The compiled engine. Arrays are numpy; see each call for shape, dtype, space and errors."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Literal, final
 
 import numpy as np
@@ -14,6 +14,9 @@ Match = Literal["stations", "relative_length", "length"]
 
 class TurgorError(ValueError):
     """What was found, what is needed, what to do."""
+
+class CancelledError(Exception):
+    """A progress callback returned False: nothing was changed."""
 
 @final
 class Mesh:
@@ -732,3 +735,80 @@ def flesh(
     stretch: bool = True,
 ) -> NDArray[np.float64]:
     """(N, 3) points bound to a rest spine and bent along a posed one, in one call; see `Fleshing`."""
+
+@final
+class Weights:
+    """Weights of several meshes' vertices, N in all, one mesh after the other, and how they were found."""
+
+    @property
+    def offsets(self) -> NDArray[np.int32]:
+        """(N + 1,) influences of vertex v are offsets[v]:offsets[v + 1], as `Skinning` takes them."""
+    @property
+    def bones(self) -> NDArray[np.int32]:
+        """Bone of each influence: locked ones first, then by falling weight."""
+    @property
+    def weights(self) -> NDArray[np.float64]:
+        """Above 0. Those of a vertex sum to 1, unless its locked ones alone are more."""
+    @property
+    def vertex_starts(self) -> NDArray[np.int32]:
+        """(M + 1,) first vertex of each mesh, and N."""
+    @property
+    def is_fallback(self) -> NDArray[np.bool_]:
+        """(N,) loose vertices and those of shells that no bone reaches inside of the body.
+
+        They took from the nearest place of the body that a bone reaches.
+        """
+    @property
+    def dimensions(self) -> tuple[int, int, int]:
+        """Voxels along x, y, z; 0 where no mesh is solid: distances were straight then."""
+    @property
+    def voxel_size(self) -> float:
+        """Edge of a voxel, in the unit of the positions."""
+    @property
+    def voxel_count(self) -> int:
+        """Solid voxels."""
+    @property
+    def memory_bytes(self) -> int:
+        """What the largest arrays took."""
+
+def automatic_weights(
+    meshes: Sequence[tuple[ArrayLike, ArrayLike, ArrayLike]],
+    bone_heads: ArrayLike,
+    bone_tails: ArrayLike,
+    *,
+    resolution: int | None = None,
+    falloff: float = 4.0,
+    smoothing: float = 0.5,
+    max_influences: int | None = 4,
+    stiffness: ArrayLike | None = None,
+    is_solid: ArrayLike | None = None,
+    is_locked: ArrayLike | None = None,
+    locked_weights: tuple[ArrayLike, ArrayLike, ArrayLike] | None = None,
+    symmetry_plane: tuple[ArrayLike, ArrayLike] | None = None,
+    mirrored_bones: ArrayLike | None = None,
+    progress: Callable[[float], bool | None] | None = None,
+) -> Weights:
+    """Weights of every vertex on every mesh, whatever the meshes are like (MATH 6).
+
+    Voxels fill the body, distances to bones are taken inside of it, and the skin evens out what follows from them:
+    a tongue belongs to the jaw, not to the palate above it. Meshes may be open, inverted, in several shells, pass
+    through themselves and each other.
+
+    meshes: (positions (N, 3), face_offsets (F + 1,), face_corners (C,)) each, as `Mesh` takes them, in one space.
+    bone_heads, bone_tails: (B, 3) in the same space. Only deform bones.
+    resolution: voxels along the longest side of the body, 8 to 1024; None: as many as the body needs. Parts two voxels
+        apart are apart.
+    falloff: exponent by which a bone's hold falls with distance, 0.5 to 32; larger is sharper.
+    smoothing: length over which the skin evens weights out, in distances to the nearest bone, 0 to 10.
+    max_influences: bones per vertex; None: any number. Weights fade towards the limit, none is cut off.
+    stiffness: (B,) > 0, a bone of 2 holds as if it were at half the distance; None: 1.
+    is_solid: (M,) which meshes are the body; the others (clothes) take from its nearest place; None: all.
+    is_locked, locked_weights: (B,) bones that keep their weights, and rows (offsets, bones, weights) over all vertices
+        to find those in. Other bones share what is left.
+    symmetry_plane: (point, normal), vertices that are mirror images get mirrored weights, bit by bit.
+    mirrored_bones: (B,) partner of each bone, itself in the middle, -1 for none; None: the one at its image.
+    progress: called with the part that is done, from this thread; returns False to cancel.
+
+    The same for any number of threads. Raises TurgorError for wrong shapes, indices and ranges, and where every bone is
+    locked; CancelledError. Releases the GIL.
+    """

@@ -1,0 +1,107 @@
+//! Distances of all points of the skin to all bones, inside of the body: straight where the bone sees the voxels about a
+//! point, else by the voxels.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::geodesic::Front;
+use super::sampling::Sampler;
+use super::solid::Solid;
+use super::sources::{contact, near_sources, sources, straight_distance};
+use crate::csr::Csr;
+use crate::error::Result;
+
+/// Part of a voxel that surfaces lie from their outermost centres.
+const SKIN: f64 = 0.5;
+/// How far bones see while only the nearest one is wanted, in voxels.
+const VIEW: f64 = 4.0;
+/// Voxels beyond the bound of a bone's influence where distances are still found, for places that see them.
+const SLACK: f32 = 6.0;
+
+/// Distances in voxels, a column per bone.
+pub struct Distances {
+    pub columns: Vec<f32>,
+    /// Per shell, whether a bone reaches it inside of the body.
+    pub is_reached: Vec<bool>,
+    pub memory_bytes: usize,
+}
+
+impl Distances {
+    /// `range` is how many times farther than its nearest bone a bone may be and still count: no farther ones are found.
+    /// `step` is called with the part that is done.
+    pub fn inside(solid: &Solid, bones: &[[DVec3; 2]], range: f64, mut step: impl FnMut(f64) -> Result<()>) -> Result<Self> {
+        let voxels = &solid.voxels;
+        let bones: Vec<[DVec3; 2]> = bones.iter().map(|bone| bone.map(|p| solid.lattice.in_voxels(p))).collect();
+        let contacts: Vec<f64> = bones.par_iter().map(|&bone| contact(voxels, bone)).collect();
+        let starts: Vec<Vec<(u32, f32)>> =
+            bones.par_iter().zip(&contacts).map(|(&bone, &near)| near_sources(voxels, bone, near, VIEW)).collect();
+        let mut reached_parts = vec![false; voxels.part_count];
+        for &(voxel, _) in starts.iter().flatten() {
+            reached_parts[voxels.part[voxel as usize] as usize] = true;
+        }
+        let rows = Sampler::new(voxels, &reached_parts).rows(&solid.points);
+        step(0.1)?;
+        let bounds = bounds(solid, &starts.concat(), &rows, range as f32);
+        let count = solid.points.len();
+        let mut columns = vec![0.0f32; count * bones.len()];
+        let batch = rayon::current_num_threads();
+        for (first, columns) in columns.chunks_mut(batch * count.max(1)).enumerate() {
+            columns.par_chunks_mut(count.max(1)).enumerate().for_each_init(Front::default, |front, (bone, column)| {
+                let (bone, near) = (bones[first * batch + bone], contacts[first * batch + bone]);
+                let seen = sources(voxels, bone, near, |voxel| bounds[voxel as usize]);
+                front.spread(voxels, &seen, Some(&bounds));
+                let mut is_seen = vec![false; voxels.len()];
+                for &(voxel, distance) in &seen {
+                    is_seen[voxel as usize] = front.distances[voxel as usize] == distance;
+                }
+                for ((distance, row), &place) in column.iter_mut().zip(rows.rows()).zip(&solid.points) {
+                    let straight = straight_distance(bone, place);
+                    let by_way_of = |&(voxel, weight): &(u32, f32)| {
+                        let beyond = || (voxels.centre(voxel).distance(place) - SKIN).max(0.0) as f32;
+                        weight * if is_seen[voxel as usize] { straight as f32 } else { front.distances[voxel as usize] + beyond() }
+                    };
+                    *distance = row.iter().map(by_way_of).sum();
+                }
+            });
+            step(0.1 + 0.9 * ((first + 1) * batch).min(bones.len()) as f64 / bones.len() as f64)?;
+        }
+        let fronts = batch * voxels.len() * 4 * size_of::<f32>();
+        let memory_bytes = size_of_val(&*columns) + rows.memory_bytes() + fronts + starts.iter().map(|s| size_of_val(&**s)).sum::<usize>();
+        Ok(Self { columns, is_reached: solid.shells_in(&reached_parts), memory_bytes })
+    }
+
+    /// Straight distances, where there is no body at all.
+    pub fn straight(points: &[DVec3], bones: &[[DVec3; 2]], shell_count: usize, unit: f64) -> Self {
+        let mut columns = vec![0.0f32; points.len() * bones.len()];
+        for (column, &bone) in columns.chunks_mut(points.len().max(1)).zip(bones) {
+            for (distance, &p) in column.iter_mut().zip(points) {
+                *distance = (straight_distance(bone, p) / unit) as f32;
+            }
+        }
+        let memory_bytes = size_of_val(&*columns);
+        Self { columns, is_reached: vec![false; shell_count], memory_bytes }
+    }
+}
+
+/// Per voxel the largest distance of a bone that may still count at some point of the skin beyond it: with m the distance
+/// to the nearest bone, the maximum over voxels y that points see of range m(y) − distance(x, y). Found by one front
+/// that starts from all y.
+fn bounds(solid: &Solid, starts: &[(u32, f32)], rows: &Csr<(u32, f32)>, range: f32) -> Vec<f32> {
+    let mut front = Front::default();
+    front.spread(&solid.voxels, starts, None);
+    let mut is_seen = vec![false; solid.voxels.len()];
+    for &(voxel, _) in rows.values() {
+        is_seen[voxel as usize] = true;
+    }
+    let mut limits: Vec<(u32, f32)> = (0..solid.voxels.len() as u32)
+        .filter(|&voxel| is_seen[voxel as usize])
+        .map(|voxel| (voxel, range * front.distances[voxel as usize] + SLACK))
+        .filter(|limit| limit.1.is_finite())
+        .collect();
+    let top = limits.iter().map(|limit| limit.1).fold(0.0, f32::max);
+    for limit in &mut limits {
+        limit.1 = top - limit.1;
+    }
+    front.spread(&solid.voxels, &limits, None);
+    front.distances.iter().map(|below| top - below).collect()
+}

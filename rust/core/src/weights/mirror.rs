@@ -1,0 +1,68 @@
+//! Both sides alike: which points and bones are each other's mirror image.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use super::lattice::{Extent, Plane};
+
+/// How far an image may be from its partner, as a part of the diagonal.
+const TOLERANCE: f64 = 1e-4;
+
+/// Per point its partner; None where no other lies at its image. Partners are mutual, a point of the plane is its own.
+pub fn partners(points: &[DVec3], plane: &Plane) -> Vec<Option<u32>> {
+    let tolerance = Extent::of(points.iter().copied()).map_or(0.0, |extent| extent.diagonal()) * TOLERANCE;
+    let cell = |p: DVec3| (p / tolerance.max(f64::MIN_POSITIVE)).floor().to_array().map(|x| x as i64);
+    let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+    for (index, &p) in points.iter().enumerate() {
+        cells.entry(cell(p)).or_default().push(index as u32);
+    }
+    let closest = |index: usize| {
+        let image = plane.mirrored(points[index]);
+        let [x, y, z] = cell(image);
+        let around = (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [x + i, y + j, z + k])));
+        around
+            .flat_map(|key| cells.get(&key).into_iter().flatten().copied())
+            .map(|other| (points[other as usize].distance(image), other))
+            .filter(|(distance, _)| *distance <= tolerance)
+            .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+            .map(|(_, other)| other)
+    };
+    mutual(&(0..points.len()).map(closest).collect::<Vec<_>>())
+}
+
+/// Bones by their ends, where the caller does not say.
+pub fn bone_partners(bones: &[[DVec3; 2]], plane: &Plane) -> Vec<Option<u32>> {
+    let size = Extent::of(bones.iter().flatten().copied()).map_or(0.0, |extent| extent.diagonal());
+    let apart = |a: &[DVec3; 2], b: &[DVec3; 2]| a[0].distance(b[0]).max(a[1].distance(b[1]));
+    let closest = |bone: &[DVec3; 2]| {
+        let image = bone.map(|p| plane.mirrored(p));
+        let all = bones.iter().enumerate().map(|(i, other)| (apart(&image, other), i as u32));
+        all.filter(|(distance, _)| *distance <= size * TOLERANCE).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|(_, i)| i)
+    };
+    mutual(&bones.iter().map(closest).collect::<Vec<_>>())
+}
+
+fn mutual(closest: &[Option<u32>]) -> Vec<Option<u32>> {
+    let back = |i: usize| closest[i].filter(|&other| closest[other as usize] == Some(i as u32));
+    (0..closest.len()).map(back).collect()
+}
+
+/// Gives partners the mean of both sides' weights: columns of `points.len()` values, one per bone.
+pub fn symmetrise(columns: &mut [f32], points: &[Option<u32>], bones: &[Option<u32>]) {
+    let count = points.len();
+    for (bone, partner) in bones.iter().enumerate() {
+        let Some(other) = partner.map(|other| other as usize).filter(|&other| other >= bone) else { continue };
+        for (point, partner) in points.iter().enumerate() {
+            let Some(image) = partner.map(|image| image as usize) else { continue };
+            // A bone that is its own partner meets each pair of points twice.
+            if other == bone && image < point {
+                continue;
+            }
+            let (a, b) = (bone * count + point, other * count + image);
+            let mean = 0.5 * (columns[a] + columns[b]);
+            columns[a] = mean;
+            columns[b] = mean;
+        }
+    }
+}
