@@ -83,7 +83,10 @@ test-python: dist/site-packages
 	PYTHONPATH=$(CURDIR)/dist/site-packages $(TOOLS)/python -m pytest $(PYTEST_FLAGS) tests/architecture tests/packaging tests/engine tests/logic
 
 test-3.11 $(if $(HAS_3.13),test-3.13): test-%: dist/.extension dist/site-packages .fixtures/.ready .venv-%/.ready
-	PYTHONPATH=$(CURDIR)/dist/site-packages .venv-$*/bin/python -m pytest $(PYTEST_FLAGS) tests/fixtures tests/demo tests/blender
+	PYTHONPATH=$(CURDIR)/dist/site-packages .venv-$*/bin/python -m pytest $(PYTEST_FLAGS) tests/fixtures tests/demo tests/blender $(FARM_TESTS)
+
+# Their tools are in one of the environments.
+test-3.11: FARM_TESTS := tests/farm
 
 ifndef HAS_3.13
 test-3.13:
