@@ -79,6 +79,17 @@ def test_a_small_patch_alone_gives_all_back(seed: int, solver, radius: float):
     assert_kept(rig, mask, rig.body(solver=solver).with_mask(mask).deform(rig.random_pose(rng, 1.2)))
 
 
+def test_few_vertices_far_from_their_place_lose_no_digits():
+    """Where the cubic of a patch has its root near its summit, Newton's iteration ends early."""
+    rig = chain(tube(33, 12).roughened(np.random.default_rng(1), 0.05), 3)
+    places = rig.surface.positions
+    for seed in range(985, 995):
+        rng = np.random.default_rng(seed)
+        mask = np.linalg.norm(places - places[rng.integers(len(places))], axis=1) < rng.uniform(0.01, 0.5)
+        frame = rig.body().with_mask(mask).deform(rig.random_pose(rng, 1.4), target_scale=0.5)
+        assert_kept(rig, mask, frame)
+
+
 @given(seeds, modes, solvers)
 def test_shells_are_masked_each_on_its_own(seed: int, mode, solver):
     """One shell wholly pinned, one half, an open one, a strip without an inside, careless weights."""

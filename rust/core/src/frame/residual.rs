@@ -21,6 +21,8 @@ const RESIDUAL_DONE: f64 = 1e-14;
 const RESIDUAL_STEP_MAX: f64 = 1.0;
 /// A step of the whole shell that is worth so many times what is to be given back is past a summit of the cubic.
 const BENT_MAX: f64 = 2.0;
+/// Nearer to its target, relatively, a component comes unless the root lies at a summit, where digits are lost.
+const SUMMIT_ERROR: f64 = 1e-13;
 
 impl Workspace {
     /// Steps along the residual's field until every component has its target, by the exact cubic.
@@ -66,9 +68,11 @@ impl Workspace {
             // What a step of the shell adds by the slope at the skinned surface, against what is to be given back.
             let worth = |step: f64| step.abs() * (state.floor + state.wide.abs());
             let whole = state.spread + (state.target - state.skinned).abs();
-            let is_meant = |step: f64| {
+            let is_exact = |step: f64| (state.cubic.at(step) - state.target).abs() <= SUMMIT_ERROR * state.target.abs();
+            let is_within = |step: f64| {
                 if state.is_wide_only { !may_give_up || worth(step) <= BENT_MAX * whole } else { step.abs() <= RESIDUAL_STEP_MAX }
             };
+            let is_meant = |step: f64| is_within(step) && (!may_give_up || is_exact(step));
             match root.filter(|&step| is_meant(step)) {
                 Some(step) => state.step = step,
                 None if !state.is_wide_only => state.is_wide_only = true,
