@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import runtime
 from ..live import housekeeping, measuring, push, route
+from ..messages import translated
 from ..scene import obstacles, stack
 
 
@@ -45,7 +47,7 @@ class OBJECT_OT_turgor_volume_add(bpy.types.Operator):
                     reason = runtime.character(ob.session_uid).problem
                     added.append(ob)
                 if reason is not None:
-                    self.report({"WARNING"}, f"{ob.name}: {reason}")
+                    self.report({"WARNING"}, f"{ob.name}: {translated(reason, rpt_)}")
             depsgraph = context.evaluated_depsgraph_get()
             if runtime.session.route == "PUSH":
                 push.write_all(depsgraph)

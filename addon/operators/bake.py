@@ -9,11 +9,13 @@ from time import perf_counter
 
 import bpy
 import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
 from turgor import TurgorError
 
 from .. import runtime
 from ..bake import baking, job, options
 from ..logic import frame_range, whole_file
+from ..messages import message, of_error, translated
 from ..scene import baked_copy, spine_stack, stack
 from .character import character_of
 
@@ -53,7 +55,7 @@ class OBJECT_OT_turgor_bake(bpy.types.Operator):
                 for _ in self._steps:
                     pass
         except REFUSALS as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, translated(of_error(error), rpt_))
             return {"CANCELLED"}
         return self._finish(context)
 
@@ -86,7 +88,7 @@ class OBJECT_OT_turgor_bake(bpy.types.Operator):
                 self._tell(context, progress)
         except REFUSALS as error:
             self._end(context)
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, translated(of_error(error), rpt_))
             return {"CANCELLED"}
         return {"RUNNING_MODAL"}
 
@@ -100,7 +102,7 @@ class OBJECT_OT_turgor_bake(bpy.types.Operator):
             with runtime.quiet():
                 self._job = job.Job(self._target, options_of(self._target, context.scene))
         except REFUSALS as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, translated(of_error(error), rpt_))
             return False
         self._steps: Iterator[baking.Progress] = quietly(self._job.run())
         self._started = perf_counter()
@@ -139,7 +141,7 @@ class OBJECT_OT_turgor_bake(bpy.types.Operator):
             context.view_layer.objects.active = copy
         for note in self._job.report.notes:
             self.report({"WARNING"}, note)
-        self.report({"INFO"}, f"Baked {lines[0]}")
+        self.report({"INFO"}, translated(message("Baked {what}", what=lines[0]), rpt_))
         return {"FINISHED"}
 
 

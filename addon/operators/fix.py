@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.app.translations import pgettext_tip as tip_
 from bpy.props import EnumProperty, StringProperty
 
 from ..live import fixes, refusals
+from ..messages import of_error, translated
 from ..properties.fixes import DESCRIPTIONS, FIXES
 from ..scene import spine_stack, stack
 
@@ -54,6 +56,6 @@ class OBJECT_OT_turgor_volume_fix(bpy.types.Operator):
         try:
             fixes.apply(context.object, self.fix, self.subject, self.kind)
         except fixes.FixError as error:
-            self.report({"WARNING"}, str(error))
+            self.report({"WARNING"}, translated(of_error(error), rpt_))
             return {"CANCELLED"}
         return {"FINISHED"}

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..live import measuring
 from ..live.binding_rules import is_editable
+from ..messages import of_error, translated
 from ..properties.joint import TurgorJoint
 from ..scene import stack
 from .character import character_of
@@ -33,7 +35,7 @@ class OBJECT_OT_turgor_fold_loss_measure(bpy.types.Operator):
         try:
             motion = measuring.measure(ob, measuring.scene_frames(context.scene))
         except ValueError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, translated(of_error(error), rpt_))
             return {"CANCELLED"}
         loss = motion.fold_losses.get(joint.name, 0.0)
         if loss < LEAST_LOSS:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
 from ..live import joint_presets
 from ..logic.joint_preset import PresetError
-from ..messages import message, of_error
+from ..messages import message, of_error, translated
 from ..scene import joint_assets
 from .joint_presets import edited
 
@@ -73,7 +74,7 @@ class OBJECT_OT_turgor_joint_asset_apply(bpy.types.Operator):
                 raise PresetError(message("{asset} is no joint of Turgor: choose one tagged Turgor", asset=self.asset))
             joint_presets.apply(text, edited(context))
         except (OSError, PresetError) as error:
-            self.report({"ERROR"}, of_error(error))
+            self.report({"ERROR"}, translated(of_error(error), rpt_))
             return {"CANCELLED"}
         return {"FINISHED"}
 

@@ -6,11 +6,12 @@ from pathlib import Path
 
 import bpy
 from bl_operators.presets import AddPresetBase
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
 from ..live import joint_presets
 from ..logic.joint_preset import PresetError
-from ..messages import of_error
+from ..messages import of_error, translated
 from ..properties.several import edited_joints
 from .character import character_of
 
@@ -46,7 +47,7 @@ class OBJECT_OT_turgor_joint_preset(bpy.types.Operator):
         try:
             joint_presets.apply(Path(self.filepath).read_text(encoding="utf-8"), edited(context))
         except (OSError, UnicodeDecodeError, PresetError) as error:
-            self.report({"ERROR"}, of_error(error))
+            self.report({"ERROR"}, translated(of_error(error), rpt_))
             return {"CANCELLED"}
         return {"FINISHED"}
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty
 
 from ..live import joint_edits
+from ..messages import message, of_error, translated
 from ..properties.several import edited_joints
 from ..scene import bone_choice, stack
 from .character import character_of
@@ -51,7 +53,8 @@ class OBJECT_OT_turgor_joints_mirror(_JointOperator, bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         count, missing = joint_edits.mirror(character_of(context))
         if missing:
-            self.report({"WARNING"}, f"No joint on the other side of {', '.join(missing)}")
+            text = message("No joint on the other side of {joints}", joints=", ".join(missing))
+            self.report({"WARNING"}, translated(text, rpt_))
         elif not count:
             self.report({"WARNING"}, "The names of these joints have no side, like Arm.L or left_arm")
         return {"FINISHED"} if count else {"CANCELLED"}
@@ -102,7 +105,7 @@ class OBJECT_OT_turgor_joint_to_bone(_JointOperator, bpy.types.Operator):
         try:
             bone_choice.choose_bone(context, armature.object, joints[0].name)
         except bone_choice.ChoiceError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, translated(of_error(error), rpt_))
             return {"CANCELLED"}
         return {"FINISHED"}
 

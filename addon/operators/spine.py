@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import runtime
 from ..live import push, route, spine_binding, spine_housekeeping
+from ..messages import translated
 from ..properties.spine import DATA_VERSION
 from ..scene import spine_chain, spine_stack
 
@@ -45,7 +47,7 @@ class OBJECT_OT_turgor_spine_add(bpy.types.Operator):
                 push.write_all(depsgraph)
         problem = runtime.spine(body.session_uid).problem
         if problem is not None:
-            self.report({"WARNING"}, f"{body.name}: {problem}")
+            self.report({"WARNING"}, f"{body.name}: {translated(problem, rpt_)}")
         return {"FINISHED"}
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
 from .. import runtime
 from ..messages import signed_percent
@@ -81,18 +82,21 @@ def _draw_readout(layout: bpy.types.UILayout, ob: bpy.types.Object, known: runti
         line = column.row()
         line.alignment = "CENTER"
         digits = 2 if abs(figures.kept_deviation) >= VISIBLE_PERCENT else 4
-        line.label(text=f"Volume error {signed_percent(figures.kept_deviation, digits)}")
+        error = signed_percent(figures.kept_deviation, digits)
+        line.label(text=iface_("Volume error {error}").format(error=error), translate=False)
         if figures.fleshed_deviation != figures.kept_deviation:
             line = column.row()
             line.alignment = "CENTER"
             line.active = False
-            line.label(text=f"of the fleshing alone {signed_percent(figures.fleshed_deviation, 4)}")
+            error = signed_percent(figures.fleshed_deviation, 4)
+            line.label(text=iface_("of the fleshing alone {error}").format(error=error), translate=False)
     if ob.turgor_spine.show_overlay and known.local_error is not None:
         found = known.local_error()
         line = column.row()
         line.alignment = "CENTER"
         line.active = False
-        line.label(text=f"of small chunks {100 * found.mean:.4f} %, at most {100 * found.most:.3f} %")
+        text = iface_("of small chunks {mean:.4f} %, at most {most:.3f} %")
+        line.label(text=text.format(mean=100 * found.mean, most=100 * found.most), translate=False)
 
 
 def _draw_source(layout: bpy.types.UILayout, saved: bpy.types.PropertyGroup) -> None:

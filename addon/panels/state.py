@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
 from .. import runtime
 
@@ -12,4 +13,4 @@ def draw_timing(layout: bpy.types.UILayout, known: runtime.Character) -> None:
     if known.timing is not None:
         line = layout.row()
         line.active = False
-        line.label(text=f"{known.timing.total:.2f} ms per frame")
+        line.label(text=iface_("{time:.2f} ms per frame").format(time=known.timing.total), translate=False)

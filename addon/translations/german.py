@@ -348,4 +348,399 @@ TEXTS: dict[str, str] = {
     "Write offsets": "Versätze schreiben",
     "Add offsets to the mesh": "Versätze zum Netz addieren",
     "Armature, for comparison": "Armatur, zum Vergleich",
+    # Curves, masks, presets, diagnostics: what they do
+    "Reset Curves": "Kurven zurücksetzen",
+    "Go back to the preset that the shown profile curves were drawn from": (
+        "Zurück zur Vorlage, nach der die gezeigten Profilkurven gezeichnet wurden"
+    ),
+    "Measure": "Messen",
+    "Take the largest loss of the active joint over the scene's frames, or its preview range": (
+        "Den größten Verlust des aktiven Gelenks über die Bilder der Szene oder ihren Vorschaubereich nehmen"
+    ),
+    "Save Joint as Asset": "Gelenk als Asset sichern",
+    "Keep the settings and curves of the active joint as an asset of this file": (
+        "Einstellungen und Kurven des aktiven Gelenks als Asset dieser Datei aufheben"
+    ),
+    "Apply to Turgor Joint": "Auf Turgor-Gelenk anwenden",
+    "Give the active and the selected joints of the active object the settings of this asset": (
+        "Dem aktiven und den gewählten Gelenken des aktiven Objekts die Einstellungen dieses Assets geben"
+    ),
+    "Use Joint Preset": "Gelenkvorlage benutzen",
+    "Give the active and the selected joints the settings and curves of this preset": (
+        "Dem aktiven und den gewählten Gelenken Einstellungen und Kurven dieser Vorlage geben"
+    ),
+    "Add Joint Preset": "Gelenkvorlage hinzufügen",
+    "Keep the settings and curves of the active joint as a preset, or remove one": (
+        "Einstellungen und Kurven des aktiven Gelenks als Vorlage aufheben, oder eine entfernen"
+    ),
+    "Add Turgor's Assets": "Assets von Turgor hinzufügen",
+    "Show the joints that ship with Turgor in the asset browser": (
+        "Die mit Turgor gelieferten Gelenke im Asset-Browser zeigen"
+    ),
+    "Paint Mask": "Maske malen",
+    "Paint the mask in Weight Paint; the mesh follows the brush": (
+        "Die Maske im Gewichtsmalen malen; das Netz folgt dem Pinsel"
+    ),
+    "Fix": "Beheben",
+    "Mend what diagnostics found": "Beheben, was die Diagnose gefunden hat",
+    "Profile Curves": "Profilkurven",
+    "Joint Presets": "Gelenkvorlagen",
+    "Masks": "Masken",
+    "Joints that lose most volume at this frame first": "Gelenke zuerst, die in diesem Bild am meisten verlieren",
+    "Name": "Name",
+    "Belly Folded": "Bauch, gefaltet",
+    "What Belly turns into: folds inside the bend": "Was aus Bauch wird: Falten innen in der Beuge",
+    "Parts of the volume given back along the bone, across, and towards the inside of the bend."
+    " Moving one scales the others, so that the sum stays one": (
+        "Anteile des Volumens, die entlang des Knochens, quer und zum Inneren der Beuge zurückgegeben werden."
+        " Wird einer verschoben, so folgen die anderen, damit die Summe eins bleibt"
+    ),
+    "Set": "Satz",
+    "Which set of profile curves is shown": "Welcher Satz Profilkurven gezeigt wird",
+    "First": "Erster",
+    "Show the first set of profile curves": "Den ersten Satz Profilkurven zeigen",
+    "Second": "Zweiter",
+    "Show the second set of profile curves": "Den zweiten Satz Profilkurven zeigen",
+    "Along the Bone": "Entlang des Knochens",
+    "Across, Seen from Inside": "Quer, von innen gesehen",
+    "Into the Bend": "In die Beuge",
+    "Along": "Entlang",
+    "Across": "Quer",
+    "Inside": "Innen",
+    "Outside": "Außen",
+    "Parent": "Übergeordneter",
+    "Child": "Untergeordneter",
+    "Left": "Links",
+    "Right": "Rechts",
+    "Joint": "Gelenk",
+    "Parent, Child": "Übergeordneter, Untergeordneter",
+    "Left, Right": "Links, Rechts",
+    "Outside, Inside": "Außen, Innen",
+    "Muted: it gives nothing back": "Stumm: gibt nichts zurück",
+    "Another joint is solo: it gives nothing back": "Ein anderes Gelenk ist solo: dieses gibt nichts zurück",
+    "Skinning": "Armatur",
+    "Turgor": "Turgor",
+    "Remove": "Entfernen",
+    "Add Turgor Volume": "Turgor Volume hinzufügen",
+    "Diagnostics": "Diagnose",
+    "Nothing is off": "Nichts zu beanstanden",
+    "Turgor cannot run here; meshes show plain skinning.": (
+        "Turgor läuft hier nicht; Netze zeigen sich, wie die Armatur sie macht."
+    ),
+    "of the fleshing alone {error}": "vom Biegen allein {error}",
+    "of small chunks {mean:.4f} %, at most {most:.3f} %": "kleiner Stücke {mean:.4f} %, höchstens {most:.3f} %",
+    "{time:.2f} ms per frame": "{time:.2f} ms je Bild",
+    # What stands in the way of an operator
+    "Leave the edit or paint mode first": "Zuerst den Bearbeitungs- oder Malmodus verlassen",
+    "Select a mesh that an armature deforms": "Ein Netz auswählen, das eine Armatur verformt",
+    "Select a mesh": "Ein Netz auswählen",
+    "The object is linked: make a library override first": (
+        "Das Objekt ist verknüpft: zuerst eine Bibliotheksüberschreibung anlegen"
+    ),
+    "The object has Turgor Volume already": "Das Objekt hat schon Turgor Volume",
+    "The object has Turgor Spine already": "Das Objekt hat schon Turgor Spine",
+    "The active object has no Turgor Volume of its own": "Das aktive Objekt hat kein eigenes Turgor Volume",
+    "The active object has no Turgor Volume": "Das aktive Objekt hat kein Turgor Volume",
+    "The active object has no Turgor Spine of its own": "Das aktive Objekt hat kein eigenes Turgor Spine",
+    "The active object has no joints of Turgor Volume": "Das aktive Objekt hat keine Gelenke von Turgor Volume",
+    "The active object has no joints of Turgor Volume of its own": (
+        "Das aktive Objekt hat keine eigenen Gelenke von Turgor Volume"
+    ),
+    "The active object has no Turgor": "Das aktive Objekt hat kein Turgor",
+    "Make a mesh with Turgor active": "Ein Netz mit Turgor aktiv machen",
+    "No selected mesh has Turgor Volume": "Kein gewähltes Netz hat Turgor Volume",
+    "The shown profile curves are those of a preset": "Die gezeigten Profilkurven sind die einer Vorlage",
+    "The joint loses no volume in these frames": "Das Gelenk verliert in diesen Bildern kein Volumen",
+    "This build of Turgor ships no assets": "Mit dieser Fassung von Turgor kommen keine Assets",
+    "They are shown already": "Sie werden schon gezeigt",
+    "{asset} is no joint of Turgor: choose one tagged Turgor": (
+        "{asset} ist kein Gelenk von Turgor: eines mit dem Schlagwort Turgor wählen"
+    ),
+    "No other joint is selected: tick some in the list": "Kein anderes Gelenk ist gewählt: in der Liste anhaken",
+    "The character has no armature, or no joint is active": "Die Figur hat keine Armatur, oder kein Gelenk ist aktiv",
+    "The names of these joints have no side, like Arm.L or left_arm": (
+        "Die Namen dieser Gelenke haben keine Seite wie Arm.L oder left_arm"
+    ),
+    "No joint on the other side of {joints}": "Kein Gelenk auf der anderen Seite von {joints}",
+    "The active bone has no joint": "Der aktive Knochen hat kein Gelenk",
+    "The armature has no active bone": "Die Armatur hat keinen aktiven Knochen",
+    "The mesh is linked: paint it in its own file": "Das Netz ist verknüpft: in seiner eigenen Datei malen",
+    "The mesh is linked: change it in its own file": "Das Netz ist verknüpft: in seiner eigenen Datei ändern",
+    "The armature is linked: change it in its own file": "Die Armatur ist verknüpft: in ihrer eigenen Datei ändern",
+    "The modifier comes from the library: move it there": "Der Modifikator kommt aus der Bibliothek: dort verschieben",
+    "There is no joint {joint} any more": "Es gibt kein Gelenk {joint} mehr",
+    "There is no modifier {modifier} any more": "Es gibt keinen Modifikator {modifier} mehr",
+    "The preset's {name} cannot be {found}": "{name} der Vorlage kann nicht {found} sein",
+    "The preset is of format {found}, this Turgor reads {known}": (
+        "Die Vorlage hat das Format {found}, dieses Turgor liest {known}"
+    ),
+    "Not a joint preset of Turgor: {error}": "Keine Gelenkvorlage von Turgor: {error}",
+    "Not a joint preset of Turgor: it has no turgor_joint": "Keine Gelenkvorlage von Turgor: turgor_joint fehlt",
+    # What is off
+    "plain skinning": "was die Armatur allein macht",
+    "the body without its spine": "den Körper ohne sein Rückgrat",
+    "No vertex group is named after a deform bone of {rig}: assign weights": (
+        "Keine Vertex-Gruppe heißt wie ein verformender Knochen von {rig}: Gewichte zuweisen"
+    ),
+    "too open to hold a volume": "zu offen für ein Volumen",
+    "flat, holds no volume": "flach, ohne Volumen",
+    "edges with three or more faces": "Kanten mit drei oder mehr Flächen",
+    "faces that cannot agree which side is out": "Flächen, die sich nicht einigen, wo außen ist",
+    "Vertices that no bone holds and that stay behind: {count:,}; give them weights": (
+        "Punkte, die kein Knochen hält und die zurückbleiben: {count:,}; ihnen Gewichte geben"
+    ),
+    "{count:,} of {all:,} vertices lie too far inside a bend and are held back there": (
+        "{count:,} von {all:,} Punkten liegen zu weit innen in einer Beuge und werden dort gehalten"
+    ),
+    "Parts not corrected: {count}, {reason}": "Nicht korrigierte Teile: {count}, {reason}",
+    "Parts that are inside out: {count}; recalculate their normals": (
+        "Umgestülpte Teile: {count}; ihre Normalen neu berechnen"
+    ),
+    "Parts whose faces look both ways: {count}; recalculate their normals": (
+        "Teile, deren Flächen in beide Richtungen sehen: {count}; ihre Normalen neu berechnen"
+    ),
+    "Open parts that count as if they were closed: {count}, with {edges:,} edges around their openings": (
+        "Offene Teile, die wie geschlossene zählen: {count}, mit {edges:,} Kanten um ihre Öffnungen"
+    ),
+    "Evaluates each frame twice: {reason}": "Wertet jedes Bild zweimal aus: {reason}",
+    "The strength of joints leaves {percent:+.2f} % of the volume: {joints}": (
+        "Die Stärke von Gelenken lässt {percent:+.2f} % des Volumens: {joints}"
+    ),
+    "Strength of {modifier} is {part:.2f}: the mesh lies between plain skinning and the exact volume": (
+        "Die Stärke von {modifier} ist {part:.2f}: Das Netz liegt zwischen Armatur allein und genauem Volumen"
+    ),
+    "{joint} has no room for all of its volume; the rest went to the skin around: give it a larger Size": (
+        "{joint} hat nicht Platz für all sein Volumen; der Rest ging in die Haut ringsum: mehr Größe geben"
+    ),
+    "Other joints without room for all of their volume: {count}": (
+        "Weitere Gelenke ohne Platz für all ihr Volumen: {count}"
+    ),
+    "There is no vertex group {group} any more: choose another, or clear the mask": (
+        "Es gibt keine Vertex-Gruppe {group} mehr: eine andere wählen oder die Maske leeren"
+    ),
+    "Parts that masks pin as a whole, which stay as skinned: {count}": (
+        "Teile, die Masken ganz anheften und die bleiben, wie die Armatur sie macht: {count}"
+    ),
+    "{modifier} is off in renders": "{modifier} ist in Renderings aus",
+    "{modifier} is off in the viewport": "{modifier} ist in der Ansicht aus",
+    "Mesh changed: its vertices or faces are others than when it was bound; press Rebind": (
+        "Das Netz ist anders: seine Punkte oder Flächen sind andere als beim Binden; Neu binden drücken"
+    ),
+    "The mesh has no vertices before the Armature modifier: give it some": (
+        "Das Netz hat keine Punkte vor dem Armatur-Modifikator: ihm welche geben"
+    ),
+    "The character is linked with its offsets, which push cannot write: choose pull in the preferences": (
+        "Die Figur ist mit ihren Versätzen verknüpft, die Schieben nicht schreiben kann: in den Einstellungen"
+        " Ziehen wählen"
+    ),
+    "Bones were removed from the armature: leave its edit mode, or press Rebind": (
+        "Der Armatur wurden Knochen entfernt: ihren Bearbeitungsmodus verlassen, oder Neu binden drücken"
+    ),
+    "No Armature modifier right before Turgor Volume: move Turgor Volume directly below it": (
+        "Kein Armatur-Modifikator direkt vor Turgor Volume: Turgor Volume direkt darunter verschieben"
+    ),
+    "No Armature modifier: Turgor Spine alone keeps the volume by itself, turn on its Exact Volume": (
+        "Kein Armatur-Modifikator: Turgor Spine allein erhält das Volumen selbst, sein Genaues Volumen einschalten"
+    ),
+    "No Armature modifier: give the mesh one (Object > Parent > Armature Deform)": (
+        "Kein Armatur-Modifikator: dem Netz einen geben (Objekt > Eltern > Armatur-Verformung)"
+    ),
+    "Shape keys are absolute: make them Relative in the mesh's properties": (
+        "Formschlüssel sind absolut: in den Eigenschaften des Netzes auf Relativ stellen"
+    ),
+    "{modifier} uses Multi Modifier, which blends two armatures: turn it off": (
+        "{modifier} benutzt Multi-Modifikator und mischt zwei Armaturen: ausschalten"
+    ),
+    "{modifier} deforms by bone envelopes: use vertex groups only": (
+        "{modifier} verformt durch Knochenhüllen: nur Vertex-Gruppen benutzen"
+    ),
+    "{modifier} deforms again after Turgor Volume: only one Armature is supported, turn one off": (
+        "{modifier} verformt nach Turgor Volume noch einmal: Nur eine Armatur geht, eine ausschalten"
+    ),
+    "{modifier} is on in the viewport or in renders only: renders show {shown}": (
+        "{modifier} ist nur in der Ansicht oder nur in Renderings an: Renderings zeigen {shown}"
+    ),
+    "{modifier} is on in the viewport or in renders only: renders show plain skinning": (
+        "{modifier} ist nur in der Ansicht oder nur in Renderings an: Renderings zeigen, was die Armatur allein macht"
+    ),
+    "{modifier} has other levels in renders ({in_render}) than in the viewport ({in_viewport}):"
+    " make them equal, or renders show {shown}": (
+        "{modifier} hat in Renderings andere Stufen ({in_render}) als in der Ansicht ({in_viewport}):"
+        " angleichen, sonst zeigen Renderings {shown}"
+    ),
+    "Modifier {modifier} has no armature object: choose one": "Modifikator {modifier} hat keine Armatur: eine wählen",
+    "{modifier} has animated settings: remove their keyframes and drivers": (
+        "{modifier} hat animierte Einstellungen: ihre Keyframes und Treiber entfernen"
+    ),
+    "{modifier} deforms before {armature}: only one Armature is supported, turn one off": (
+        "{modifier} verformt vor {armature}: Nur eine Armatur geht, eine ausschalten"
+    ),
+    "{modifier} can move the mesh before the Armature: move it after Turgor Volume": (
+        "{modifier} kann das Netz vor der Armatur bewegen: hinter Turgor Volume verschieben"
+    ),
+    "{modifier} is animated before the Armature: move it after Turgor Volume": (
+        "{modifier} ist vor der Armatur animiert: hinter Turgor Volume verschieben"
+    ),
+    "{modifier} changes shape keys before the Armature: apply it, or move it after Turgor Volume": (
+        "{modifier} ändert Formschlüssel vor der Armatur: anwenden oder hinter Turgor Volume verschieben"
+    ),
+    "{modifier} asks whether it is in the viewport: renders show {shown}": (
+        "{modifier} fragt, ob es in der Ansicht ist: Renderings zeigen {shown}"
+    ),
+    "Bone {bone} is a bendy bone, not supported yet: set its segments to 1": (
+        "Knochen {bone} ist ein Biegeknochen, was noch nicht geht: seine Segmente auf 1 setzen"
+    ),
+    "Bone {bone} multiplies its weights by its envelope: turn that off": (
+        "Knochen {bone} vervielfacht seine Gewichte mit seiner Hülle: das ausschalten"
+    ),
+    "{modifier} deforms the body before Turgor Spine: move it below, or flesh its own bones": (
+        "{modifier} verformt den Körper vor Turgor Spine: darunter verschieben oder dessen eigene Knochen nehmen"
+    ),
+    "{modifier} can move the body before Turgor Spine: move it below": (
+        "{modifier} kann den Körper vor Turgor Spine bewegen: darunter verschieben"
+    ),
+    "{modifier} is animated before Turgor Spine: move it below": (
+        "{modifier} ist vor Turgor Spine animiert: darunter verschieben"
+    ),
+    "{modifier} changes shape keys before Turgor Spine: apply it, or move it below": (
+        "{modifier} ändert Formschlüssel vor Turgor Spine: anwenden oder darunter verschieben"
+    ),
+    # Buttons that mend
+    "Read the mesh, its weights and its armature again; settings stay": (
+        "Netz, Gewichte und Armatur neu lesen; Einstellungen bleiben"
+    ),
+    "Move below Armature": "Unter die Armatur",
+    "Move Turgor Volume directly below the Armature modifier": (
+        "Turgor Volume direkt unter den Armatur-Modifikator verschieben"
+    ),
+    "Move below Turgor": "Unter Turgor",
+    "Move this modifier below, where it changes what Turgor made": (
+        "Diesen Modifikator darunter verschieben, wo er ändert, was Turgor gemacht hat"
+    ),
+    "Turn Modifier Off": "Modifikator ausschalten",
+    "Turn this modifier off in the viewport and in renders": (
+        "Diesen Modifikator in der Ansicht und in Renderings ausschalten"
+    ),
+    "Show in Viewport": "In der Ansicht zeigen",
+    "Turn the modifier on in the viewport": "Den Modifikator in der Ansicht einschalten",
+    "Show in Renders": "In Renderings zeigen",
+    "Turn the modifier on in renders": "Den Modifikator in Renderings einschalten",
+    "Turn Off Multi Modifier": "Multi-Modifikator ausschalten",
+    "Let this Armature modifier deform alone": "Diesen Armatur-Modifikator allein verformen lassen",
+    "Use Vertex Groups Only": "Nur Vertex-Gruppen",
+    "Let the Armature deform by vertex groups, without bone envelopes": (
+        "Die Armatur durch Vertex-Gruppen verformen lassen, ohne Knochenhüllen"
+    ),
+    "Turn Off Envelope Multiply": "Hüllen-Faktor ausschalten",
+    "Let all bones that deform this mesh use their weights as they are": (
+        "Alle Knochen, die dieses Netz verformen, ihre Gewichte benutzen lassen, wie sie sind"
+    ),
+    "Use Viewport Setting in Renders": "Wie in der Ansicht rendern",
+    "Let renders use this modifier as the viewport does": (
+        "Renderings diesen Modifikator benutzen lassen wie die Ansicht"
+    ),
+    "Select Open Edges": "Offene Kanten auswählen",
+    "Go to Edit Mode with the edges around openings selected": (
+        "In den Bearbeitungsmodus, die Kanten um Öffnungen gewählt"
+    ),
+    "Select Edges": "Kanten auswählen",
+    "Go to Edit Mode with the edges of three or more faces selected": (
+        "In den Bearbeitungsmodus, die Kanten mit drei oder mehr Flächen gewählt"
+    ),
+    "Select Vertices": "Punkte auswählen",
+    "Go to Edit Mode with the vertices selected that no bone holds": (
+        "In den Bearbeitungsmodus, die Punkte gewählt, die kein Knochen hält"
+    ),
+    "Recalculate Outside": "Außenseite neu berechnen",
+    "Turn faces that look inwards, in parts that hold a volume": (
+        "Flächen umdrehen, die nach innen sehen, in Teilen mit Volumen"
+    ),
+    "Larger Size": "Mehr Größe",
+    "Let half as much skin again take part at this joint": "An diesem Gelenk halb so viel Haut mehr beteiligen",
+    "Clear Group": "Gruppe leeren",
+    "Use no vertex group here": "Hier keine Vertex-Gruppe benutzen",
+    # Baking
+    "Bake": "Backen",
+    "Make a copy that shows the same without Turgor, by shape keys or a point cache, as chosen below;"
+    " Esc cancels, and the next bake goes on from there": (
+        "Eine Kopie anlegen, die ohne Turgor dasselbe zeigt, durch Formschlüssel oder einen Punkte-Cache, wie unten"
+        " gewählt; Esc bricht ab, und das nächste Backen fährt dort fort"
+    ),
+    "Remove Bake": "Gebackenes entfernen",
+    "Delete the baked copy and show the live mesh again; files of caches and reports stay": (
+        "Die gebackene Kopie löschen und das lebende Netz wieder zeigen; Dateien von Caches und Berichten bleiben"
+    ),
+    "Turgor Bake": "Turgor Backen",
+    "Method": "Verfahren",
+    "In": "In",
+    "The active object has neither Turgor Volume nor Turgor Spine": (
+        "Das aktive Objekt hat weder Turgor Volume noch Turgor Spine"
+    ),
+    "A bake is running": "Es wird gerade gebacken",
+    "Bake cancelled; what was computed is kept for the next one": (
+        "Backen abgebrochen; was berechnet wurde, bleibt für das nächste Mal"
+    ),
+    "The active object has no bake": "Das aktive Objekt hat nichts Gebackenes",
+    "Baked {what}": "Gebacken: {what}",
+    "What keeps the result": "Was das Ergebnis hält",
+    "Shape Keys": "Formschlüssel",
+    "One shape key per frame on a copy without armature": "Ein Formschlüssel je Bild an einer Kopie ohne Armatur",
+    "Corrective Keys": "Korrekturschlüssel",
+    "One shape key per frame before the Armature, which still moves the copy": (
+        "Ein Formschlüssel je Bild vor der Armatur, die die Kopie weiter bewegt"
+    ),
+    "Reduced Correctives": "Wenige Korrekturschlüssel",
+    "As few keyed correctives before the Armature as keep the error asked for": (
+        "So wenige Korrekturschlüssel vor der Armatur, wie den verlangten Fehler halten"
+    ),
+    "Pose Correctives": "Korrekturen aus der Pose",
+    "Correctives that the pose drives: new animation needs no new bake": (
+        "Korrekturen, die die Pose treibt: neue Animation braucht kein neues Backen"
+    ),
+    "Point Cache": "Punkte-Cache",
+    "A PC2 file with the points of every frame, read by a Mesh Cache modifier": (
+        "Eine PC2-Datei mit den Punkten jedes Bildes, gelesen vom Modifikator Mesh Cache"
+    ),
+    "Frames": "Bilder",
+    "Frames to bake, such as 1-100, 1-100x2 for every second one, or 1-100x0.25 for steps within frames."
+    " Empty: the scene's range": (
+        "Zu backende Bilder wie 1-100, 1-100x2 für jedes zweite oder 1-100x0.25 für Schritte dazwischen."
+        " Leer: der Bereich der Szene"
+    ),
+    "Error In": "Fehler in",
+    "What the error is measured in": "Worin der Fehler gemessen wird",
+    "Percent": "Prozent",
+    "Part of the size of the mesh, the diagonal of its bounds": "Teil der Größe des Netzes, der Diagonale seiner Grenzen",
+    "Length": "Länge",
+    "Length in the scene": "Länge in der Szene",
+    "Largest Error": "Größter Fehler",
+    "How far any vertex may be from the live mesh on any frame": (
+        "Wie weit ein Punkt in irgendeinem Bild vom lebenden Netz entfernt sein darf"
+    ),
+    "Values 0 to 1": "Werte 0 bis 1",
+    "No negative values, for engines that clamp them: one more key, which is always on": (
+        "Keine negativen Werte, für Engines, die sie abschneiden: ein Schlüssel mehr, der immer an ist"
+    ),
+    "Most Keys": "Höchstens Schlüssel",
+    "Pose correctives to have at most": "So viele Korrekturen aus der Pose höchstens",
+    "Bones per Vertex": "Knochen je Punkt",
+    "Largest weights of each vertex that the target keeps, 0 for all; game engines keep 4": (
+        "Größte Gewichte jedes Punktes, die das Ziel behält, 0 für alle; Spiel-Engines behalten 4"
+    ),
+    "Linear Skinning": "Lineares Skinning",
+    "The target blends bones linearly, as game engines do, also where the Armature preserves volume": (
+        "Das Ziel mischt Knochen linear wie Spiel-Engines, auch wo die Armatur Volumen erhält"
+    ),
+    "Folder": "Ordner",
+    "Where point caches, reports and unfinished bakes are kept": (
+        "Wo Punkte-Caches, Berichte und Unfertiges aufbewahrt werden"
+    ),
+    "Verify": "Prüfen",
+    "Play the bake in Blender and compare every frame with the live mesh": (
+        "Das Gebackene in Blender abspielen und jedes Bild mit dem lebenden Netz vergleichen"
+    ),
+    "Hide Original": "Original verbergen",
+    "Hide the live mesh in the viewport and in renders when its bake is there": (
+        "Das lebende Netz in Ansicht und Renderings verbergen, wenn das Gebackene da ist"
+    ),
 }

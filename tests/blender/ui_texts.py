@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,6 +15,7 @@ ADDON = Path(__file__).resolve().parents[2] / "addon"
 SHOWN_FIRST = {"message", "iface_", "rpt_", "poll_message_set"}
 SHOWN_SECOND = {"report"}
 SHOWN_BY_NAME = {"text"}
+UNITS = {"ms"}
 # Blender's own properties of every class.
 UNSHOWN = {"rna_type", "name"}
 
@@ -26,8 +28,9 @@ def of_classes(package: str) -> Iterator[str]:
             yield getattr(cls, "bl_label", "")
             yield getattr(cls, "bl_description", "")
             yield from _of_struct(cls.bl_rna)
-    for owner in ("turgor", "turgor_spine"):
-        yield from _of_struct(bpy.types.Object.bl_rna.properties[owner].fixed_type)
+    for prop in bpy.types.Object.bl_rna.properties:
+        if prop.identifier.startswith("turgor"):
+            yield from _of_struct(prop.fixed_type)
     for cls in bpy.types.AddonPreferences.__subclasses__():
         if cls.bl_idname == package:
             yield from _of_struct(cls.bl_rna)
@@ -45,7 +48,8 @@ def _of_struct(rna: bpy.types.Struct) -> Iterator[str]:
 
 
 def _of_property(prop: bpy.types.Property) -> Iterator[str]:
-    yield prop.name
+    if prop.name != prop.identifier:  # one without a name is shown nowhere
+        yield prop.name
     yield prop.description
     if prop.type == "ENUM":
         for item in prop.enum_items:
@@ -53,8 +57,8 @@ def _of_property(prop: bpy.types.Property) -> Iterator[str]:
             yield item.description
 
 
-def in_sources() -> Iterator[tuple[str, str]]:
-    """(place, text) of literal texts in calls that show them; f-strings come as "" since nobody can translate them."""
+def in_sources() -> Iterator[tuple[str, str | None]]:
+    """(place, text) of literals in calls that show them; None for f-strings with words: none can translate those."""
     for path in sorted(ADDON.rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.Call):
@@ -62,8 +66,13 @@ def in_sources() -> Iterator[tuple[str, str]]:
                     place = f"{path.relative_to(ADDON)}:{shown.lineno}"
                     if isinstance(shown, ast.Constant) and isinstance(shown.value, str):
                         yield place, shown.value
-                    elif isinstance(shown, ast.JoinedStr):
-                        yield place, ""
+                    elif isinstance(shown, ast.JoinedStr) and _has_words(shown):
+                        yield place, None
+
+
+def _has_words(text: ast.JoinedStr) -> bool:
+    constants = " ".join(part.value for part in text.values if isinstance(part, ast.Constant))
+    return bool(set(re.findall("[A-Za-z]+", constants)) - UNITS)
 
 
 def _shown(call: ast.Call) -> Iterator[ast.expr]:
