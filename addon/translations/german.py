@@ -710,7 +710,9 @@ TEXTS: dict[str, str] = {
     "Error In": "Fehler in",
     "What the error is measured in": "Worin der Fehler gemessen wird",
     "Percent": "Prozent",
-    "Part of the size of the mesh, the diagonal of its bounds": "Teil der Größe des Netzes, der Diagonale seiner Grenzen",
+    "Part of the size of the mesh, the diagonal of its bounds": (
+        "Teil der Größe des Netzes, der Diagonale seiner Grenzen"
+    ),
     "Length": "Länge",
     "Length in the scene": "Länge in der Szene",
     "Largest Error": "Größter Fehler",
