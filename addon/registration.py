@@ -11,6 +11,8 @@ from .operators.add import OBJECT_OT_turgor_volume_add
 from .operators.add import draw as draw_add
 from .operators.bake import OBJECT_OT_turgor_bake, OBJECT_OT_turgor_bake_remove
 from .operators.curves import OBJECT_OT_turgor_curves_reset
+from .operators.export import CLASSES as EXPORT_CLASSES
+from .operators.export import draw as draw_export
 from .operators.fix import OBJECT_OT_turgor_volume_fix
 from .operators.fold_loss import OBJECT_OT_turgor_fold_loss_measure
 from .operators.joints import CLASSES as JOINT_OPERATORS
@@ -44,6 +46,7 @@ CLASSES = (
     OBJECT_OT_turgor_volume_fix,
     OBJECT_OT_turgor_volume_measure,
     *JOINT_OPERATORS,
+    *EXPORT_CLASSES,
     OBJECT_OT_turgor_mask_paint,
     OBJECT_OT_turgor_bake,
     OBJECT_OT_turgor_bake_remove,
@@ -75,6 +78,7 @@ def register() -> None:
         bpy.utils.register_class(cls)
     bpy.types.OBJECT_MT_modifier_add_deform.append(draw_add)
     bpy.types.OBJECT_MT_modifier_add_deform.append(draw_add_spine)
+    bpy.types.TOPBAR_MT_file_export.append(draw_export)
     joint_presets.register()
     joint_assets.register()
     handlers.register()
@@ -90,6 +94,7 @@ def unregister() -> None:
     handlers.unregister()
     joint_assets.unregister()
     joint_presets.unregister()
+    bpy.types.TOPBAR_MT_file_export.remove(draw_export)
     bpy.types.OBJECT_MT_modifier_add_deform.remove(draw_add_spine)
     bpy.types.OBJECT_MT_modifier_add_deform.remove(draw_add)
     for cls in reversed(CLASSES):

@@ -1,0 +1,129 @@
+"""File > Export > Turgor: Blender's own exporters, with the volume kept."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
+from turgor import TurgorError
+
+from ..bake import exports
+
+FORMATS = (
+    ("GLTF", "glTF 2.0", "Armature and shape keys, for engines and the web"),
+    ("FBX", "FBX", "Armature and shape keys, for engines and other programs"),
+    ("USD", "USD", "Every frame of the mesh, without armature"),
+    ("ALEMBIC", "Alembic", "Every frame of the mesh, without armature"),
+)
+
+
+class EXPORT_SCENE_OT_turgor(bpy.types.Operator):
+    bl_idname = "export_scene.turgor"
+    bl_label = "Export with Exact Volume"
+    bl_description = (
+        "Write the selected characters over the scene's frames by Blender's own exporter, so that they keep their"
+        " volume where there is no Turgor"
+    )
+    bl_options = {"REGISTER", "PRESET"}
+
+    filepath: StringProperty(subtype="FILE_PATH", options={"SKIP_SAVE"})
+    filter_glob: StringProperty(default="*.glb;*.gltf;*.fbx;*.usd;*.usda;*.usdc;*.usdz;*.abc", options={"HIDDEN"})
+    format: EnumProperty(name="Format", description="What is written", items=FORMATS)
+    error: FloatProperty(
+        name="Largest Error",
+        description="How far any vertex may be from the live mesh on any frame, in percent of its size; as few shape"
+        " keys as keep it, 0 for one key per frame",
+        default=0.1,
+        min=0.0,
+        soft_max=1.0,
+        max=100.0,
+        precision=3,
+        subtype="PERCENTAGE",
+    )
+    influences: IntProperty(
+        name="Bones per Vertex",
+        description="Largest weights of each vertex that the target keeps, 0 for all; game engines keep 4",
+        default=4,
+        min=0,
+        max=32,
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if context.mode not in {"OBJECT", "POSE"}:
+            cls.poll_message_set("Leave the edit or paint mode first")
+            return False
+        if not characters(context):
+            cls.poll_message_set("Select a mesh with Turgor Volume or Turgor Spine")
+            return False
+        return True
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if not self.filepath:
+            start = Path(bpy.data.filepath) if bpy.data.filepath else Path(characters(context)[0].name)
+            self.filepath = str(start.with_suffix(exports.SUFFIXES[self.format]))
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def check(self, context: bpy.types.Context) -> bool:
+        """The file is named after the format."""
+        path = self._path()
+        changed = self.filepath != str(path)
+        self.filepath = str(path)
+        return changed
+
+    def draw(self, context: bpy.types.Context) -> None:
+        column = self.layout.column()
+        column.use_property_split, column.use_property_decorate = True, False
+        column.prop(self, "format")
+        if self.format in exports.WITH_KEYS:
+            column.prop(self, "error")
+            column.prop(self, "influences")
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        settings = exports.Settings(self.format, self._path(), 0.01 * self.error, self.influences)
+        try:
+            reports = exports.export(characters(context), settings)
+        except (ValueError, OSError, TurgorError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for report in reports:
+            for note in report.notes:
+                self.report({"WARNING"}, f"{report.name}: {note}")
+            self.report({"INFO"}, f"{report.name}: {', '.join(report.lines()[1:4])}")
+        return {"FINISHED"}
+
+    def _path(self) -> Path:
+        path, suffix = Path(bpy.path.abspath(self.filepath)), exports.SUFFIXES[self.format]
+        others = {".glb": {".gltf"}, ".usdc": {".usd", ".usda", ".usdz"}}.get(suffix, set())
+        return path if path.suffix.lower() in {suffix, *others} else path.with_suffix(suffix)
+
+
+class TURGOR_MT_export(bpy.types.Menu):
+    bl_label = "Turgor"
+    bl_description = "Formats that keep the exact volume where there is no Turgor"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        for name, label, _ in FORMATS:
+            suffix = exports.SUFFIXES[name]
+            operator = self.layout.operator(EXPORT_SCENE_OT_turgor.bl_idname, text=f"{label} ({suffix})")
+            operator.format = name
+
+
+CLASSES = (EXPORT_SCENE_OT_turgor, TURGOR_MT_export)
+
+
+def characters(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """Selected ones, also by selecting their armature."""
+    chosen = [ob for ob in {context.object, *context.selected_objects} if ob is not None]
+    rigs = {ob for ob in chosen if ob.type == "ARMATURE"}
+    found = {ob for ob in chosen if exports.has_turgor(ob)}
+    for ob in context.view_layer.objects:
+        if exports.has_turgor(ob) and any(each.type == "ARMATURE" and each.object in rigs for each in ob.modifiers):
+            found.add(ob)
+    return sorted(found, key=lambda ob: ob.name)
+
+
+def draw(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
+    menu.layout.menu("TURGOR_MT_export")

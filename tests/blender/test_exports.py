@@ -1,0 +1,131 @@
+"""What other programs read back: shape and volume of the live frame, from each format."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+from measure import enclosed_volume, evaluated_mesh, mesh_positions, volume
+from tube import LAST_FRAME, add_turgor, character, select
+
+FRAMES = (1, 8, 15, LAST_FRAME)
+# Of the size: float32 of the files, of several matrices in a chain, and of key values.
+SHAPE, VOLUME = 1e-4, 1e-4
+EXACT = 1e-6
+READERS = {
+    "GLTF": lambda path: bpy.ops.import_scene.gltf(filepath=path),
+    "FBX": lambda path: bpy.ops.import_scene.fbx(filepath=path, anim_offset=0.0),
+    "USD": lambda path: bpy.ops.wm.usd_import(filepath=path),
+    "ALEMBIC": lambda path: bpy.ops.wm.alembic_import(filepath=path),
+}
+
+
+@pytest.fixture
+def live(addon):
+    """A smooth tube, whose weights the formats hold as they are."""
+    ob, armature = character()
+    ob.data.shade_smooth()
+    add_turgor(ob)
+    return ob, armature
+
+
+def world(ob: bpy.types.Object) -> np.ndarray:
+    """(N, 3) float64 of the evaluated mesh."""
+    evaluated = ob.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    matrix = np.array(evaluated.matrix_world, np.float64)
+    return mesh_positions(evaluated.data).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def over_frames(ob: bpy.types.Object, kind: str) -> dict[int, tuple[np.ndarray, float]]:
+    """Points and volume; glTF cuts quads into triangles, as they lie at rest."""
+    found = {}
+    ob.data.calc_loop_triangles()
+    triangles = np.array([triangle.vertices for triangle in ob.data.loop_triangles], np.int32)
+    for frame in FRAMES:
+        bpy.context.scene.frame_set(frame)
+        points = world(ob)
+        starts = np.arange(0, triangles.size + 1, 3, dtype=np.int32)
+        found[frame] = points, enclosed_volume(points, starts, triangles.ravel()) if kind == "GLTF" else volume(ob)
+    return found
+
+
+def nearest(points: np.ndarray, others: np.ndarray) -> float:
+    """The largest distance of a point from the nearest of the others: files reorder and split vertices."""
+    return max(float(np.linalg.norm(others - point, axis=1).min()) for point in points)
+
+
+def world_volume(ob: bpy.types.Object) -> float:
+    """In the world."""
+    mesh = evaluated_mesh(ob)
+    offsets = np.full(len(mesh.polygons) + 1, len(mesh.loops), np.int32)
+    corners = np.empty(len(mesh.loops), np.int32)
+    mesh.polygons.foreach_get("loop_start", offsets[:-1])
+    mesh.loops.foreach_get("vertex_index", corners)
+    return abs(enclosed_volume(world(ob), offsets, corners))
+
+
+def names() -> dict[str, list[str]]:
+    return {
+        kind: sorted(member.name for member in getattr(bpy.data, kind))
+        for kind in ("objects", "meshes", "actions", "scenes", "shape_keys", "armatures", "node_groups")
+    }
+
+
+@pytest.mark.parametrize("kind", list(READERS))
+def test_imported_again_shape_and_volume_are_those_of_the_live_frame(route, live, tmp_path, kind: str):
+    ob, armature = live
+    expected = over_frames(ob, kind)
+    bpy.context.scene.frame_set(7)
+    other = bpy.data.objects.new("Other", bpy.data.meshes.new("Other"))
+    bpy.context.scene.collection.objects.link(other)
+    select([other, armature])
+    before = names()
+    # Named after the format.
+    path = tmp_path / f"file.{'x' if kind == 'USD' else kind}"
+    error = 0.005
+    assert bpy.ops.export_scene.turgor(filepath=str(path), format=kind, error=error) == {"FINISHED"}
+    (path,) = tmp_path.iterdir()
+    assert names() == before
+    assert bpy.context.scene.frame_current == 7
+    assert other.select_get()
+    assert not ob.select_get()
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    READERS[kind](str(path))
+    read = next(ob for ob in bpy.data.objects if ob.type == "MESH" and not ob.name.startswith("Icosphere"))
+    assert "Other" not in bpy.data.objects
+    assert read.name.startswith("Tube")
+    keys = read.data.shape_keys
+    if kind in {"GLTF", "FBX"}:
+        assert 0 < len(keys.key_blocks) - 1 < LAST_FRAME
+        assert any(modifier.type == "ARMATURE" for modifier in read.modifiers)
+    size = np.linalg.norm(np.ptp(expected[1][0], axis=0))
+    tolerance = SHAPE if kind in {"GLTF", "FBX"} else EXACT
+    for frame, (points, kept) in expected.items():
+        bpy.context.scene.frame_set(frame)
+        found = world(read)
+        assert nearest(found, points) < tolerance * size
+        assert nearest(points, found) < tolerance * size
+        assert abs(world_volume(read) / kept - 1.0) < VOLUME
+
+
+def test_a_later_modifier_is_said_and_keys_survive(live, tmp_path):
+    ob, _ = live
+    ob.modifiers.new("Smooth", "SUBSURF").levels = 1
+    select([ob])
+    path = tmp_path / "file.fbx"
+    assert bpy.ops.export_scene.turgor(filepath=str(path), format="FBX", error=0.5) == {"FINISHED"}
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    READERS["FBX"](str(path))
+    assert bpy.data.objects["Tube"].data.shape_keys is not None
+
+
+def test_nothing_is_left_of_an_export_that_failed(live, tmp_path):
+    ob, _ = live
+    select([ob])
+    before = names()
+    (tmp_path / "file").write_text("")
+    with pytest.raises(RuntimeError):
+        bpy.ops.export_scene.turgor(filepath=str(tmp_path / "file" / "in.fbx"), format="FBX")
+    assert names() == before
+    assert ob.select_get()
