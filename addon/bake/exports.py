@@ -17,6 +17,7 @@ import bpy
 from .. import runtime
 from ..logic import frame_range
 from ..logic.bake_report import BakeReport
+from ..messages import message
 from ..scene import baked_copy, export_selection, spine_stack, stack
 from .job import Job
 from .options import BakeError, Options
@@ -78,7 +79,9 @@ def _with_keys(target: bpy.types.Object, settings: Settings) -> Iterator[Job]:
     copy = job.baked
     try:
         for modifier in [modifier for modifier in copy.modifiers if modifier.type != "ARMATURE"]:
-            job.report.notes.append(f"{modifier.name} is not in the file: with it shape keys would be lost")
+            job.report.notes.append(
+                message("{modifier} is not in the file: with it shape keys would be lost", modifier=modifier.name)
+            )
             copy.modifiers.remove(modifier)
         if target.library is None:
             target.name = f"{name} Live"
@@ -146,4 +149,6 @@ def _write(settings: Settings) -> None:
                 evaluation_mode="VIEWPORT",
             )
     except RuntimeError as error:
-        raise BakeError(f"{settings.path.name} was not written: {str(error).strip()}") from error
+        raise BakeError(
+            message("{file} was not written: {reason}", file=settings.path.name, reason=str(error).strip())
+        ) from error

@@ -5,10 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 from turgor import TurgorError
 
 from ..bake import exports
+from ..messages import of_error, translated
 
 FORMATS = (
     ("GLTF", "glTF 2.0", "Armature and shape keys, for engines and the web"),
@@ -86,11 +88,11 @@ class EXPORT_SCENE_OT_turgor(bpy.types.Operator):
         try:
             reports = exports.export(characters(context), settings)
         except (ValueError, OSError, TurgorError) as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, translated(of_error(error), rpt_))
             return {"CANCELLED"}
         for report in reports:
             for note in report.notes:
-                self.report({"WARNING"}, f"{report.name}: {note}")
+                self.report({"WARNING"}, ": ".join((report.name, translated(note, rpt_))))
             self.report({"INFO"}, f"{report.name}: {', '.join(report.lines()[1:4])}")
         return {"FINISHED"}
 

@@ -745,4 +745,38 @@ TEXTS: dict[str, str] = {
     "Hide the live mesh in the viewport and in renders when its bake is there": (
         "Das lebende Netz in Ansicht und Renderings verbergen, wenn das Gebackene da ist"
     ),
+    # Export
+    "Export with Exact Volume": "Mit genauem Volumen exportieren",
+    "Write the selected characters over the scene's frames by Blender's own exporter, so that they keep their volume"
+    " where there is no Turgor": (
+        "Die gewählten Figuren über die Bilder der Szene mit Blenders eigenem Exporter schreiben, so dass sie ihr"
+        " Volumen auch ohne Turgor behalten"
+    ),
+    "Format": "Format",
+    "What is written": "Was geschrieben wird",
+    "glTF 2.0": "glTF 2.0",
+    "FBX": "FBX",
+    "USD": "USD",
+    "Alembic": "Alembic",
+    "Armature and shape keys, for engines and the web": "Armatur und Shape-Keys, für Engines und das Netz",
+    "Armature and shape keys, for engines and other programs": (
+        "Armatur und Shape-Keys, für Engines und andere Programme"
+    ),
+    "Every frame of the mesh, without armature": "Jedes Bild des Netzes, ohne Armatur",
+    "How far any vertex may be from the live mesh on any frame, in percent of its size; as few shape keys as keep it, 0"
+    " for one key per frame": (
+        "Wie weit ein Punkt in einem Bild vom lebenden Netz entfernt sein darf, in Prozent der Größe; so wenige"
+        " Shape-Keys, wie das einhalten, 0 für einen je Bild"
+    ),
+    "Formats that keep the exact volume where there is no Turgor": (
+        "Formate, die das genaue Volumen auch ohne Turgor behalten"
+    ),
+    "Select a mesh with Turgor Volume or Turgor Spine": "Ein Netz mit Turgor Volume oder Turgor Spine wählen",
+    "{modifier} is not in the file: with it shape keys would be lost": (
+        "{modifier} ist nicht in der Datei: mit ihm gingen Shape-Keys verloren"
+    ),
+    "No selected object has Turgor Volume or Turgor Spine: select a character": (
+        "Kein gewähltes Objekt hat Turgor Volume oder Turgor Spine: eine Figur wählen"
+    ),
+    "{file} was not written: {reason}": "{file} wurde nicht geschrieben: {reason}",
 }
