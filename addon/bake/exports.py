@@ -104,7 +104,7 @@ def _write(settings: Settings) -> None:
         if settings.format == "GLTF":
             bpy.ops.export_scene.gltf(
                 filepath=path,
-                export_format="GLTF_EMBEDDED" if settings.path.suffix == ".gltf" else "GLB",
+                export_format="GLTF_SEPARATE" if settings.path.suffix == ".gltf" else "GLB",
                 use_selection=True,
                 export_apply=False,
                 export_skins=True,

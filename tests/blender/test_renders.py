@@ -14,8 +14,16 @@ FRAMES = (12, 13)
 SAME, OTHER = 0.05, 0.25
 
 
+EEVEE = "BLENDER_EEVEE" if bpy.app.version >= (5, 0, 0) else "BLENDER_EEVEE_NEXT"
+
+
 @pytest.fixture(params=["BLENDER_WORKBENCH", "CYCLES"])
 def scene(request):
+    return stage(request.param)
+
+
+def stage(engine: str) -> bpy.types.Scene:
+    """A character before a camera."""
     character(rings=61, segments=32)
     scene = bpy.context.scene
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
@@ -24,21 +32,21 @@ def scene(request):
     for member in (camera, light):
         scene.collection.objects.link(member)
     scene.camera = camera
-    scene.render.engine = request.param
+    scene.render.engine = engine
     scene.render.resolution_x, scene.render.resolution_y = 160, 120
     scene.render.image_settings.file_format = "PNG"
     scene.frame_start, scene.frame_end = FRAMES
-    if request.param == "CYCLES":
+    if engine == "CYCLES":
         scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.seed = 4, False, 1
     return scene
 
 
-def _animation(scene, folder) -> np.ndarray:
+def _animation(scene, folder, frames=FRAMES) -> np.ndarray:
     scene.frame_set(1)
     scene.render.filepath = f"{folder}/"
     bpy.ops.render.render(animation=True)
     pictures = []
-    for frame in FRAMES:
+    for frame in frames:
         image = bpy.data.images.load(f"{folder}/{frame:04d}.png")
         pixels = np.empty(len(image.pixels), np.float32)
         image.pixels.foreach_get(pixels)
@@ -70,6 +78,25 @@ def test_pixels_show_the_correction(route, scene, tmp_path):
         bpy.data.objects.remove(reference)
         assert np.abs(corrected[index] - exact[index]).mean() < SAME
         assert np.abs(corrected[index] - plain[index]).mean() > OTHER
+
+
+def test_eevee_shows_the_correction(addon, tmp_path):
+    """On one route and one frame: without a graphics card it takes many times longer than the others."""
+    scene = stage(EEVEE)
+    scene.eevee.taa_render_samples = 1
+    scene.render.resolution_percentage = 50
+    scene.frame_start = scene.frame_end = FRAMES[0]
+    ob = bpy.data.objects["Tube"]
+    add_turgor(ob)
+    corrected = _animation(scene, tmp_path / "corrected", FRAMES[:1])
+    set_strength(ob, 0.0)
+    plain = _animation(scene, tmp_path / "plain", FRAMES[:1])
+    set_strength(ob, 1.0)
+    ob.hide_render = True
+    _applied(ob, FRAMES[0])
+    exact = _animation(scene, tmp_path / "exact", FRAMES[:1])
+    assert np.abs(corrected - exact).mean() < SAME
+    assert np.abs(corrected - plain).mean() > OTHER
 
 
 def test_pixels_show_the_fleshed_body(route, scene, tmp_path):
