@@ -59,7 +59,7 @@ def export(targets: Sequence[bpy.types.Object], settings: Settings) -> list[Bake
 @contextmanager
 def _with_keys(target: bpy.types.Object, settings: Settings) -> Iterator[Job]:
     """A copy under the name of the character, for as long as it is exported."""
-    scene, name = bpy.context.scene, target.name
+    scene, name, mesh_name = bpy.context.scene, target.name, target.data.name
     is_reduced = settings.error_relative > 0.0
     options = Options(
         method="REDUCED" if is_reduced else "CORRECTIVE",
@@ -83,14 +83,16 @@ def _with_keys(target: bpy.types.Object, settings: Settings) -> Iterator[Job]:
                 message("{modifier} is not in the file: with it shape keys would be lost", modifier=modifier.name)
             )
             copy.modifiers.remove(modifier)
-        if target.library is None:
-            target.name = f"{name} Live"
-            copy.name = name
+        for own, other, kept in ((target, copy, name), (target.data, copy.data, mesh_name)):
+            if own.library is None:
+                own.name = f"{kept} Live"
+                other.name = kept
         yield job
     finally:
         baked_copy.discard(copy)
-        if target.library is None:
-            target.name = name
+        for own, kept in ((target, name), (target.data, mesh_name)):
+            if own.library is None:
+                own.name = kept
 
 
 def has_turgor(ob: bpy.types.Object) -> bool:

@@ -12,9 +12,9 @@ from turgor import TurgorError
 
 from .. import runtime
 from ..live import start
-from . import bake, check, outcome, report, verify
+from . import bake, check, export, outcome, report, verify
 
-COMMANDS = (check, report, bake, verify)
+COMMANDS = (check, report, bake, verify, export)
 # What is wrong with the file, the disk or the settings: said in a line. All else is a bug, with its traceback.
 REFUSALS = (ValueError, OSError, TurgorError)
 NAME = "turgor"

@@ -48,7 +48,7 @@ def saved(addon, tmp_path) -> Path:
 
 def test_every_command_says_what_it_takes(addon, capsys):
     command_line = importlib.import_module("addon.commands.command_line")
-    for words in ([], ["check"], ["report"], ["bake"], ["verify"]):
+    for words in ([], ["check"], ["report"], ["bake"], ["verify"], ["export"]):
         assert command_line.main([*words, "--help"]) == FINE
         assert "usage: turgor" in capsys.readouterr().out
     for wrong in ([], ["bogus"], ["report", "--frames", "9-1"], ["bake", "--part", "3/2"]):
@@ -177,6 +177,23 @@ def test_files_of_the_command_line_show_what_was_live(saved, run, tmp_path):
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "baked.blend"))
     bpy.context.scene.frame_set(12)
     assert np.abs(positions(bpy.data.objects["Tube Baked"]) - expected).max() < 1e-6
+
+
+@pytest.mark.parametrize("suffix", ["glb", "fbx", "usdc", "abc"])
+def test_exports_are_read_again_and_compared(saved, run, tmp_path, suffix: str):
+    path = tmp_path / "new folder" / f"file.{suffix}"
+    code, found = run("export", path, "--frames", "2-19", "--error", "0.02")
+    assert code == FINE
+    assert path.is_file()
+    (verified,) = found["verified"]
+    assert verified["max_error_relative"] < 3e-4
+    assert verified["volume_error_relative"] < 1e-4
+    bpy.ops.wm.open_mainfile(filepath=str(saved))
+    bpy.data.objects["Tube"].data.name = "Other.Name"
+    has_keys = suffix in {"glb", "fbx"}
+    assert run("export", path, "--error", "0.5", "--tolerance", "1e-7")[0] == (OFF if has_keys else FINE)
+    bpy.ops.wm.open_mainfile(filepath=str(saved))
+    assert run("export", tmp_path / "file.obj")[0] == FAILED
 
 
 def _archive() -> Path:

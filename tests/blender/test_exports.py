@@ -94,7 +94,7 @@ def test_imported_again_shape_and_volume_are_those_of_the_live_frame(route, live
     READERS[kind](str(path))
     read = next(ob for ob in bpy.data.objects if ob.type == "MESH" and not ob.name.startswith("Icosphere"))
     assert "Other" not in bpy.data.objects
-    assert read.name.startswith("Tube")
+    assert read.name == "Tube" or (kind == "GLTF" and read.name == "Tube.001")
     keys = read.data.shape_keys
     if kind in {"GLTF", "FBX"}:
         assert 0 < len(keys.key_blocks) - 1 < LAST_FRAME

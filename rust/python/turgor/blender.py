@@ -18,7 +18,7 @@ from types import ModuleType
 from typing import Any
 
 EXTENSION = "turgor"
-COMMANDS = ("check", "report", "bake", "verify")
+COMMANDS = ("check", "report", "bake", "verify", "export")
 FAILED = 3
 
 

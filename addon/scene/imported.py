@@ -1,0 +1,128 @@
+"""Files of other formats read again, beside what was live: in an empty file, so only where nothing is open for long."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+from mathutils.kdtree import KDTree
+from numpy.typing import NDArray
+
+from . import rest
+
+# Float32 of files, and of several matrices in a chain.
+FLOOR_PERCENT = 0.01
+
+
+class Shape(NamedTuple):
+    """One frame."""
+
+    frame: int
+    points: NDArray[np.float64]  # (N, 3) world space
+    volume: float  # of triangles, as they lie at rest
+
+
+class Live(NamedTuple):
+    """An object before it was written."""
+
+    names: frozenset[str]  # its own and that of its mesh: importers take one or the other
+    shapes: Sequence[Shape]
+
+
+class Difference(NamedTuple):
+    """Of a file from the live meshes, the largest over all frames."""
+
+    max_error_relative: float  # of any vertex to the nearest, part of the size
+    volume_error_relative: float
+
+
+class ImportedError(ValueError):
+    """The file does not hold what was written."""
+
+
+def live(ob: bpy.types.Object, frames: Sequence[int]) -> Live:
+    """As it is evaluated."""
+    return Live(frozenset((ob.name, ob.data.name)), shapes(ob, frames))
+
+
+def shapes(ob: bpy.types.Object, frames: Sequence[int]) -> list[Shape]:
+    """Of the evaluated mesh. Triangles are those of the original mesh where it has the same faces."""
+    scene, found = bpy.context.scene, []
+    corners: NDArray[np.int32] | None = None
+    for frame in frames:
+        scene.frame_set(frame)
+        evaluated = ob.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        own = ob.data if len(ob.data.loops) == len(evaluated.data.loops) else evaluated.data
+        if corners is None:
+            corners = _triangles(own)
+        points = _world(evaluated)
+        found.append(Shape(frame, points, _volume(points, corners)))
+    return found
+
+
+def compare(path: Path, kind: str, written: Mapping[str, Live]) -> dict[str, Difference]:
+    """By name of the object. What is open is closed. Raises ImportedError."""
+    rate = bpy.context.scene.render.fps, bpy.context.scene.render.fps_base
+    bpy.ops.wm.read_homefile(use_empty=True)
+    # Some formats keep times in seconds.
+    bpy.context.scene.render.fps, bpy.context.scene.render.fps_base = rate
+    try:
+        if kind == "GLTF":
+            bpy.ops.import_scene.gltf(filepath=str(path))
+        elif kind == "FBX":
+            bpy.ops.import_scene.fbx(filepath=str(path), anim_offset=0.0)
+        elif kind == "USD":
+            bpy.ops.wm.usd_import(filepath=str(path), set_frame_range=False)
+        else:
+            bpy.ops.wm.alembic_import(filepath=str(path), set_frame_range=False)
+    except RuntimeError as error:
+        raise ImportedError(f"{path.name} cannot be imported again: {str(error).strip()}") from error
+    return {name: _difference(_named(each.names, path), each.shapes) for name, each in written.items()}
+
+
+def _named(names: frozenset[str], path: Path) -> bpy.types.Object:
+    wanted = names | {name.replace(" ", "_").replace(".", "_") for name in names}
+    for ob in bpy.data.objects:
+        if ob.type == "MESH" and (ob.name in wanted or ob.name.rpartition(".")[0] in wanted):
+            return ob
+    raise ImportedError(f"{path.name} has no mesh {' or '.join(sorted(names))}")
+
+
+def _difference(ob: bpy.types.Object, expected: Sequence[Shape]) -> Difference:
+    size = float(np.linalg.norm(np.ptp(expected[0].points, axis=0))) or 1.0
+    distance = volume = 0.0
+    for found, wanted in zip(shapes(ob, [each.frame for each in expected]), expected, strict=True):
+        distance = max(distance, _farthest(found.points, wanted.points), _farthest(wanted.points, found.points))
+        if wanted.volume:
+            volume = max(volume, abs(found.volume / wanted.volume - 1.0))
+    return Difference(distance / size, volume)
+
+
+def _farthest(points: NDArray[np.float64], others: NDArray[np.float64]) -> float:
+    """From any point to the nearest of the others: files reorder vertices and split them at seams."""
+    tree = KDTree(len(others))
+    for place, other in enumerate(others):
+        tree.insert(other, place)
+    tree.balance()
+    return max((tree.find(point)[2] for point in points), default=0.0)
+
+
+def _world(evaluated: bpy.types.Object) -> NDArray[np.float64]:
+    matrix = np.array(evaluated.matrix_world, np.float64)
+    return rest.read_positions(evaluated.data).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def _triangles(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
+    mesh.calc_loop_triangles()
+    corners = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("vertices", corners)
+    return corners.reshape(-1, 3)
+
+
+def _volume(points: NDArray[np.float64], triangles: NDArray[np.int32]) -> float:
+    """Enclosed, about the centroid."""
+    a, b, c = (points - points.mean(axis=0))[triangles].transpose(1, 0, 2)
+    return abs(float(np.einsum("ij,ij->", a, np.cross(b, c)))) / 6.0
