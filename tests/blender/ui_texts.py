@@ -71,7 +71,7 @@ def in_sources() -> Iterator[tuple[str, str | None]]:
 
 
 def _has_words(text: ast.JoinedStr) -> bool:
-    constants = " ".join(part.value for part in text.values if isinstance(part, ast.Constant))
+    constants = " ".join(str(part.value) for part in text.values if isinstance(part, ast.Constant))
     return bool(set(re.findall("[A-Za-z]+", constants)) - UNITS)
 
 
