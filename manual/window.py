@@ -6,7 +6,6 @@ Blender cannot read its own window back from a script, so ImageMagick's `import`
 from __future__ import annotations
 
 import subprocess
-import sys
 import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -25,14 +24,14 @@ class Picture(NamedTuple):
     crop: Callable[[], tuple[int, int, int, int]]  # left, bottom, width, height in pixels of the window
 
 
-def take(pictures: Sequence[Picture], folder: Path) -> None:
-    """Take all, one after the other, while Blender's event loop runs; then quit, with 1 where one failed."""
+def take(pictures: Sequence[Picture], folder: Path, end: Callable[[bool], object]) -> None:
+    """Take all, one after the other, while Blender's event loop runs; `end` is told whether all went well."""
     folder.mkdir(parents=True, exist_ok=True)
     waiting = [(picture, phase) for picture in pictures for phase in (_set_up, _redraw, _save)]
 
     def next_phase() -> float | None:
         if not waiting:
-            bpy.ops.wm.quit_blender()
+            end(True)
             return None
         picture, phase = waiting.pop(0)
         try:
@@ -40,9 +39,8 @@ def take(pictures: Sequence[Picture], folder: Path) -> None:
                 phase(picture, folder)
         except Exception:
             traceback.print_exc()
-            sys.stdout.flush()
-            # Blender's own exit would say that all went well.
-            __import__("os")._exit(1)
+            end(False)
+            return None
         return SECONDS_TO_DRAW
 
     bpy.app.timers.register(next_phase, first_interval=SECONDS_TO_DRAW)
