@@ -17,10 +17,10 @@ TOOLS    := .venv-3.11/bin
 NEWEST   := $(if $(HAS_3.13),.venv-3.13,.venv-3.11)
 
 ENGINE_SOURCES    := $(shell find rust -type f -not -path '*/target/*' -not -name '*.pyc') Cargo.toml Cargo.lock pyproject.toml
-EXTENSION_SOURCES := $(shell find addon packaging -type f -not -name '*.pyc')
+EXTENSION_SOURCES := $(shell find addon packaging manual -type f -not -name '*.pyc')
 FIXTURE_SOURCES   := $(wildcard blend_fixtures/*.py)
 
-.PHONY: help demo speed test lint format bench package wheel lock clean
+.PHONY: help pictures demo speed test lint format bench package wheel lock clean
 .PHONY: lint-rust lint-python test-rust test-python test-3.11 test-3.13
 
 help: ## this list
@@ -57,6 +57,14 @@ dist/.extension: dist/.wheel $(EXTENSION_SOURCES)
 	rm -f dist/*.zip
 	$(TOOLS)/python packaging/build_extension.py --wheels dist/*.whl --output dist
 	touch $@
+
+# The window's own Blender; the one in the environments has none.
+BLENDER ?= blender
+
+pictures: dist/.extension .fixtures/.ready ## the manual's pictures, for the next `make package`: make pictures BLENDER=path (needs xvfb and ImageMagick)
+	rm -rf dist/pictures
+	manual/take.sh "$(BLENDER)" .fixtures/elephant.blend dist/turgor-*.zip dist/pictures
+	rm dist/.extension
 
 # ---- see it --------------------------------------------------------------------------------------------------------
 

@@ -18,6 +18,8 @@ from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 ADDON = REPOSITORY / "addon"
+# Of the manual, where `make pictures` took them.
+PICTURES = REPOSITORY / "dist" / "pictures"
 
 
 def workspace_version() -> str:
@@ -50,6 +52,8 @@ def stage(directory: Path, wheels: list[Path]) -> None:
     manifest = directory / "blender_manifest.toml"
     manifest.write_text(filled_manifest(manifest.read_text(), workspace_version(), wheels))
     shutil.copy(REPOSITORY / "LICENSE", directory)
+    manual = [sys.executable, "-m", "manual", "--output", directory / "manual", "--pictures", PICTURES]
+    subprocess.run(manual, check=True, cwd=REPOSITORY)
     # Its own process: Blender's module can be started once.
     assets = directory / "assets" / "turgor_joints.blend"
     subprocess.run([sys.executable, REPOSITORY / "packaging" / "build_assets.py", assets], check=True)

@@ -1,5 +1,7 @@
 """The extension's preferences."""
 
+from pathlib import Path
+
 import bpy
 from bpy.props import EnumProperty
 
@@ -8,6 +10,10 @@ ROUTES = (
     ("PULL", "Pull", "Blender's dependency graph asks for the correction: one evaluation per frame"),
     ("PUSH", "Push", "Frame handlers write the correction: two evaluations per frame"),
 )
+
+
+# Written by `make package`.
+MANUAL = Path(__file__).resolve().parents[1] / "manual" / "index.html"
 
 
 class TurgorPreferences(bpy.types.AddonPreferences):
@@ -21,4 +27,7 @@ class TurgorPreferences(bpy.types.AddonPreferences):
 
     def draw(self, context: bpy.types.Context) -> None:
         self.layout.prop(self, "route")
-        self.layout.operator("preferences.turgor_asset_library", icon="ASSET_MANAGER")
+        buttons = self.layout.row()
+        buttons.operator("preferences.turgor_asset_library", icon="ASSET_MANAGER")
+        if MANUAL.is_file():
+            buttons.operator("wm.url_open", text="Manual", icon="HELP").url = MANUAL.as_uri()

@@ -308,6 +308,7 @@ TEXTS: dict[str, str] = {
         " behält, und die Punkte außerhalb"
     ),
     # Preferences
+    "Manual": "Handbuch",
     "Route": "Weg",
     "How the correction reaches the mesh": "Wie die Korrektur zum Netz gelangt",
     "Automatic": "Automatisch",
