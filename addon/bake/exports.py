@@ -32,7 +32,7 @@ class Settings:
 
     format: str  # of SUFFIXES
     path: Path
-    error_relative: float = 1e-3  # largest of reduced keys, part of the size; 0: one key per frame
+    error_relative: float = 1e-4  # largest of reduced keys, part of the size; 0: one key per frame
     influences: int = 4  # bones per vertex
 
 

@@ -22,7 +22,7 @@ FORMATS = (
 
 class EXPORT_SCENE_OT_turgor(bpy.types.Operator):
     bl_idname = "export_scene.turgor"
-    bl_label = "Export with Exact Volume"
+    bl_label = "Export with Volume"
     bl_description = (
         "Write the selected characters over the scene's frames by Blender's own exporter, so that they keep their"
         " volume where there is no Turgor"
@@ -36,7 +36,7 @@ class EXPORT_SCENE_OT_turgor(bpy.types.Operator):
         name="Largest Error",
         description="How far any vertex may be from the live mesh on any frame, in percent of its size; as few shape"
         " keys as keep it, 0 for one key per frame",
-        default=0.1,
+        default=0.01,
         min=0.0,
         soft_max=1.0,
         max=100.0,

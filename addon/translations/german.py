@@ -747,7 +747,7 @@ TEXTS: dict[str, str] = {
         "Das lebende Netz in Ansicht und Renderings verbergen, wenn das Gebackene da ist"
     ),
     # Export
-    "Export with Exact Volume": "Mit genauem Volumen exportieren",
+    "Export with Volume": "Mit Volumen exportieren",
     "Write the selected characters over the scene's frames by Blender's own exporter, so that they keep their volume"
     " where there is no Turgor": (
         "Die gewählten Figuren über die Bilder der Szene mit Blenders eigenem Exporter schreiben, so dass sie ihr"

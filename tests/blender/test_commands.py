@@ -192,6 +192,9 @@ def test_exports_are_read_again_and_compared(saved, run, tmp_path, suffix: str):
     bpy.data.objects["Tube"].data.name = "Other.Name"
     has_keys = suffix in {"glb", "fbx"}
     assert run("export", path, "--error", "0.5", "--tolerance", "1e-7")[0] == (OFF if has_keys else FINE)
+    if has_keys:
+        bpy.ops.wm.open_mainfile(filepath=str(saved))
+        assert run("export", path, "--error", "0.5", "--volume-tolerance", "1e-7")[0] == OFF
     bpy.ops.wm.open_mainfile(filepath=str(saved))
     assert run("export", tmp_path / "file.obj")[0] == FAILED
 
