@@ -6,7 +6,7 @@ import bpy
 
 from . import handlers, properties, translations
 from .commands import command_line
-from .operators import joint_assets, joint_presets
+from .operators import joint_assets, joint_presets, weights
 from .operators.add import OBJECT_OT_turgor_volume_add
 from .operators.add import draw as draw_add
 from .operators.bake import OBJECT_OT_turgor_bake, OBJECT_OT_turgor_bake_remove
@@ -53,6 +53,7 @@ CLASSES = (
     joint_presets.OBJECT_OT_turgor_joint_preset,
     joint_presets.OBJECT_OT_turgor_joint_preset_add,
     *joint_assets.CLASSES,
+    *weights.CLASSES,
     TURGOR_PT_joint_presets,
     TURGOR_UL_joints,
     TURGOR_MT_joints,
@@ -81,6 +82,7 @@ def register() -> None:
     bpy.types.TOPBAR_MT_file_export.append(draw_export)
     joint_presets.register()
     joint_assets.register()
+    weights.register()
     handlers.register()
     spine_overlay.register()
     volume_overlay.register()
@@ -92,6 +94,7 @@ def unregister() -> None:
     volume_overlay.unregister()
     spine_overlay.unregister()
     handlers.unregister()
+    weights.unregister()
     joint_assets.unregister()
     joint_presets.unregister()
     bpy.types.TOPBAR_MT_file_export.remove(draw_export)

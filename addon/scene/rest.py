@@ -42,8 +42,8 @@ def read_rest(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier, frame:
         evaluated = _evaluate(copy, view_layer)
         try:
             positions = read_positions(evaluated)
-            offsets, corners = _faces(evaluated)
-            weights = _weights(evaluated)
+            offsets, corners = read_faces(evaluated)
+            weights = read_weights(evaluated)
         finally:
             copy.evaluated_get(view_layer.depsgraph).to_mesh_clear()
         deltas = np.zeros((shape_keys.count(keys), *positions.shape), np.float32)
@@ -129,7 +129,8 @@ def _evaluate(ob: bpy.types.Object, view_layer: bpy.types.ViewLayer) -> bpy.type
     return ob.evaluated_get(depsgraph).to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
 
 
-def _faces(mesh: bpy.types.Mesh) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+def read_faces(mesh: bpy.types.Mesh) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Offsets per face (F + 1,) and corners (C,)."""
     offsets = np.full(len(mesh.polygons) + 1, len(mesh.loops), np.int32)
     corners = np.empty(len(mesh.loops), np.int32)
     if len(mesh.polygons):
@@ -138,7 +139,7 @@ def _faces(mesh: bpy.types.Mesh) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     return offsets, corners
 
 
-def _weights(mesh: bpy.types.Mesh) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]:
+def read_weights(mesh: bpy.types.Mesh) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]:
     """Offsets per vertex, groups and weights, in stored order. The deform layer of a bmesh is the fastest reader."""
     edited = bmesh.new()
     try:

@@ -780,4 +780,53 @@ TEXTS: dict[str, str] = {
         "Kein gewähltes Objekt hat Turgor Volume oder Turgor Spine: eine Figur wählen"
     ),
     "{file} was not written: {reason}": "{file} wurde nicht geschrieben: {reason}",
+    # Automatic weights
+    "With Turgor Weights": "Mit Turgor-Gewichten",
+    "Parent the selected meshes to the active armature, with weights by distances inside of the body;"
+    " open, broken and several meshes get weights too": (
+        "Die gewählten Netze der aktiven Armatur unterordnen, mit Gewichten nach Abständen im Innern des Körpers;"
+        " auch offene, kaputte und mehrere Netze bekommen Gewichte"
+    ),
+    "Turgor Weights from Bones": "Turgor-Gewichte von Knochen",
+    "Give the selected bones weights by distances inside of the body, on the selected vertices"
+    " if Vertex Selection is on": (
+        "Den gewählten Knochen Gewichte nach Abständen im Innern des Körpers geben, auf den gewählten Punkten, wenn die"
+        " Punktauswahl an ist"
+    ),
+    "Resolution": "Auflösung",
+    "Voxels along the longest side of the body, 0 for as many as it needs; parts two voxels apart are apart": (
+        "Voxel entlang der längsten Seite des Körpers, 0 für so viele, wie er braucht; Teile im Abstand von zwei Voxeln"
+        " sind getrennt"
+    ),
+    "Falloff": "Abnahme",
+    "How fast a bone's hold falls with distance": "Wie schnell der Halt eines Knochens mit dem Abstand abnimmt",
+    "Smoothing": "Glättung",
+    "How far the skin evens weights out, in distances to the nearest bone": (
+        "Wie weit die Haut Gewichte ausgleicht, in Abständen zum nächsten Knochen"
+    ),
+    "Max Influences": "Höchstzahl der Einflüsse",
+    "Bones that may hold a vertex; 0 for any number": "Knochen, die einen Punkt halten dürfen; 0 für beliebig viele",
+    "Symmetry": "Symmetrie",
+    "Vertices that mirror each other across the armature's X axis get mirrored weights": (
+        "Punkte, die an der X-Achse der Armatur gespiegelt liegen, bekommen gespiegelte Gewichte"
+    ),
+    "Keep Locked": "Gesperrte behalten",
+    "Locked vertex groups keep their weights, the others share what is left": (
+        "Gesperrte Gruppen behalten ihre Gewichte, die anderen teilen sich den Rest"
+    ),
+    "Cancelled, weights are as they were": "Abgebrochen, die Gewichte sind wie vorher",
+    "Turgor Weights: {percent} %  |  Esc: Cancel": "Turgor-Gewichte: {percent} %  |  Esc: Abbrechen",
+    "{count} vertices lie in parts that no bone reaches: they follow the nearest part": (
+        "{count} Punkte liegen in Teilen, die kein Knochen erreicht: Sie folgen dem nächsten Teil"
+    ),
+    "Select meshes, then the armature": "Netze wählen, dann die Armatur",
+    "Go to Weight Paint on a mesh first": "Zuerst bei einem Netz in die Gewichtsmalerei gehen",
+    "The mesh has no Armature modifier with an armature": "Das Netz hat keinen Armatur-Modifikator mit einer Armatur",
+    "{armature} has no deform bone: turn Deform on for its bones": (
+        "{armature} hat keinen verformenden Knochen: bei seinen Knochen Verformen einschalten"
+    ),
+    "All chosen bones are locked: unlock a vertex group, or turn Keep Locked off": (
+        "Alle gewählten Knochen sind gesperrt: eine Gruppe entsperren oder Gesperrte behalten ausschalten"
+    ),
+    "The mesh of {object} is linked: make it local first": "Das Netz von {object} ist verknüpft: zuerst lokal machen",
 }
