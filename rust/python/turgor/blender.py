@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, NoReturn
 
 EXTENSION = "turgor"
 COMMANDS = ("check", "report", "bake", "verify", "export")
@@ -127,9 +127,12 @@ def open_file(path: Path) -> None:
         raise SetupError(f"{path.name} cannot be opened: {str(error).strip()}") from error
 
 
-if __name__ == "__main__":
-    code = main()
+def leave(code: int) -> NoReturn:
+    """End the process at once: Blender's module may crash when Python takes it down."""
     sys.stdout.flush()
     sys.stderr.flush()
-    # Blender's module may crash when Python takes it down.
     os._exit(code)
+
+
+if __name__ == "__main__":
+    leave(main())
