@@ -46,7 +46,7 @@ def main() -> None:
         curves = joint_preset.from_text(text).first.curves
         # What the engine draws by itself has no curves here, and Blender's own icon.
         picture = profile_picture.picture([table(curve) for curve in curves]) if curves else None
-        joint_assets.create(bpy.path.display_name(path.stem), text, picture)
+        joint_assets.create(path.stem.replace("_", " "), text, picture)
     bpy.data.node_groups.remove(scratch)
     output.parent.mkdir(parents=True, exist_ok=True)
     bpy.ops.wm.save_as_mainfile(filepath=str(output), compress=True)

@@ -67,6 +67,13 @@ class OBJECT_OT_turgor_joint_preset_add(AddPresetBase, bpy.types.Operator):
         """Blender's base class asks for this in place of its own writing."""
         Path(filepath).write_text(joint_presets.text_of(edited(context)[0]), encoding="utf-8")
 
+    def remove(self, context: bpy.types.Context, filepath: str) -> None:
+        """And for this in place of its own removing."""
+        if Path(filepath).is_relative_to(SHIPPED):
+            self.report({"WARNING"}, "Presets that ship with Turgor stay: remove your own ones")
+        else:
+            Path(filepath).unlink()
+
 
 def register() -> None:
     bpy.utils.register_preset_path(SHIPPED)

@@ -349,6 +349,9 @@ TEXTS: dict[str, str] = {
     "Write offsets": "Versätze schreiben",
     "Add offsets to the mesh": "Versätze zum Netz addieren",
     "Armature, for comparison": "Armatur, zum Vergleich",
+    "Presets that ship with Turgor stay: remove your own ones": (
+        "Mit Turgor gelieferte Vorlagen bleiben: nur eigene entfernen"
+    ),
     # Curves, masks, presets, diagnostics: what they do
     "Reset Curves": "Kurven zurücksetzen",
     "Go back to the preset that the shown profile curves were drawn from": (

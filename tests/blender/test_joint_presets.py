@@ -123,6 +123,14 @@ def test_own_presets_are_kept_found_and_removed(tmp_path: Path, monkeypatch: pyt
     assert not path.exists()
 
 
+def test_shipped_presets_are_not_removed():
+    ob, _ = character()
+    add_turgor(ob)
+    _choose(ob, "Bone1")
+    bpy.ops.object.turgor_joint_preset_add(name=SHIPPED[0].stem, remove_name=True)
+    assert SHIPPED[0].exists()
+
+
 def _folder(path: Path) -> str:
     path.mkdir(parents=True, exist_ok=True)
     return str(path)
