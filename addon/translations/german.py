@@ -389,6 +389,7 @@ TEXTS: dict[str, str] = {
     "Mend what diagnostics found": "Beheben, was die Diagnose gefunden hat",
     "Profile Curves": "Profilkurven",
     "Joint Presets": "Gelenkvorlagen",
+    "Presets": "Vorlagen",
     "Masks": "Masken",
     "Joints that lose most volume at this frame first": "Gelenke zuerst, die in diesem Bild am meisten verlieren",
     "Name": "Name",
