@@ -1,4 +1,4 @@
-"""Handles that Blender sets by itself, after shape keys or hooks have moved the points of a curve."""
+"""Handles that Blender sets by itself when shape keys or hooks have moved the points of a curve, or when it draws."""
 
 from __future__ import annotations
 
@@ -35,3 +35,11 @@ def recalculate(handles: NDArray[np.float64], left_types: Sequence[str], right_t
             handles[i, 2] = points[i] + out / 3.0
         elif right == "AUTO" and length:
             handles[i, 2] = points[i] + tangent * min(length_out, AUTO_RATIO * length_in) / length
+
+
+def straighten(handles: NDArray[np.float64], left_types: Sequence[str], right_types: Sequence[str]) -> None:
+    """Sets handles of segments between two vector handles, which are drawn straight wherever those are, in place."""
+    for i in range(len(handles) - 1):
+        if right_types[i] == left_types[i + 1] == "VECTOR":
+            third = (handles[i + 1, 1] - handles[i, 1]) / 3.0
+            handles[i, 2], handles[i + 1, 0] = handles[i, 1] + third, handles[i + 1, 1] - third

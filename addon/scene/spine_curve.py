@@ -101,11 +101,15 @@ def read_posed(ob: bpy.types.Object) -> SplinePoints:
     read = read_curve(ob.data)
     is_bezier = read.kind == "BEZIER"
     handles = np.stack([read.left, read.points, read.right] if is_bezier else [read.points] * 3, axis=1)
+    is_deformed = ob.data.shape_keys is not None
     for modifier in ob.modifiers:
         if modifier.type == "HOOK" and modifier.show_viewport and modifier.object is not None:
             _follow_hook(ob, modifier, handles, is_bezier)
+            is_deformed = True
     if is_bezier:
-        bezier_handles.recalculate(handles, *_handle_types(ob.data.splines[0]))
+        # Keyframes and drivers that move points alone leave their handles behind, as in Blender.
+        settle = bezier_handles.recalculate if is_deformed else bezier_handles.straighten
+        settle(handles, *_handle_types(ob.data.splines[0]))
     return read._replace(left=handles[:, 0], points=handles[:, 1], right=handles[:, 2])
 
 
