@@ -163,8 +163,7 @@ def _bind(target: bpy.types.Object, known: runtime.Character, accept_topology: b
         if is_editable(target):
             placement.save(saved, spine)
         place = placement.object_from_armature(target, spine)
-    if is_editable(target):
-        _prepare_scene(target, spine, chain or (), limb_bones, body)
+    _prepare_scene(target, spine, chain or (), limb_bones, body)
     rest_curve = None if saved.bound_curve is None else spine_curve.read_curve(saved.bound_curve)
     indices = None if limb_bones is None else limb_bones.pose_indices
     return Bound(body, content, place, chain or (), rest_bones, rest_curve, indices, spine_stack.chosen(saved))
@@ -224,9 +223,14 @@ def _prepare_scene(
     body: flesh.Flesh,
 ) -> None:
     holder = carrier.carrier_of(target, node_group.SPINE)
-    if holder is None or not is_editable(holder):
+    if holder is None:
         return
-    carrier.resize(holder, body.vertex_count)
+    if is_editable(target) and is_editable(holder):
+        carrier.resize(holder, body.vertex_count)
+    elif spine.library is None:
+        # Linked data must not point at the file that links it.
+        return
+    # For this session also where all is linked: libraries keep the drivers of the release that saved them.
     if spine.type == "ARMATURE":
         names = dict.fromkeys([*chain, *(limb_bones.names if limb_bones is not None else ())])
         drivers.write_tick(holder, drivers.bone_sources(spine, names))

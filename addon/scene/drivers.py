@@ -164,11 +164,11 @@ def bone_sources(rig: bpy.types.Object, bone_names: Iterable[str]) -> list[Sourc
 
 
 def curve_sources(curve: bpy.types.Object) -> list[Source]:
-    """Where a curve object and the holders of its hooks stand, and what animates its control points."""
+    """Where a curve object and the holders of its hooks stand, and its evaluated control points."""
     sources = [
         Source("TRANSFORMS", "OBJECT", curve, ""),
-        Source("SINGLE_PROP", "CURVE", curve.data, "use_path"),
-        *shape_key_sources(curve.data.shape_keys),
+        # The data of an evaluated curve object is a copy made with its geometry, and only its size waits for that.
+        Source("SINGLE_PROP", "OBJECT", curve, "dimensions[0]"),
     ]
     for modifier in curve.modifiers:
         if modifier.type == "HOOK" and modifier.object is not None:
