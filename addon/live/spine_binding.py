@@ -114,9 +114,14 @@ def _freeze(copy: bpy.types.Curve, source: bpy.types.Object) -> None:
     evaluated = source.evaluated_get(bpy.context.evaluated_depsgraph_get())
     read = spine_curve.read_posed(evaluated)
     if copy.shape_keys is not None:
+        name = copy.shape_keys.name
         user = bpy.data.objects.new(copy.name, copy)
         user.shape_key_clear()
         bpy.data.objects.remove(user)
+        # Blender 4.5 leaves them behind, without a curve, and then cannot save the file.
+        left = bpy.data.shape_keys.get(name)
+        if left is not None:
+            bpy.data.batch_remove([left])
     copy.animation_data_clear()
     spine_curve.write_curve(copy, read)
 

@@ -44,7 +44,7 @@ def _proxy(name: str) -> Any:
 def _access(name: str) -> tuple[Callable[[TurgorSeveral], Any], Callable[[TurgorSeveral, Any], None]]:
     def get(several: TurgorSeveral) -> Any:
         joints = edited_joints(several.id_data.turgor)
-        return getattr(joints[0], name) if joints else _DECLARED[name].keywords["default"]
+        return getattr(joints[0], name) if joints else _DECLARED[name].keywords.get("default", 0.0)
 
     def set_all(several: TurgorSeveral, value: Any) -> None:
         for joint in edited_joints(several.id_data.turgor):

@@ -91,6 +91,19 @@ def test_keyframes_shape_keys_and_hooks(route):
     assert np.abs(positions(ob) - rest).max() > 0.2
 
 
+def test_a_body_on_a_shaped_curve_is_bound_anew_and_saved(tmp_path):
+    ob, spine = body(), curve()
+    add_spine(ob, spine)
+    spine.shape_key_add(name="Basis")
+    spine.shape_key_add(name="Bow")
+    select([ob])
+    for _ in range(2):
+        bpy.ops.object.turgor_spine_rebind()
+    assert [key.user for key in bpy.data.shape_keys] == [spine.data]
+    path = str(tmp_path / "shaped.blend")
+    assert bpy.ops.wm.save_as_mainfile(filepath=path) == {"FINISHED"}
+
+
 def test_hooks_are_followed_as_blender_draws_them(route):
     """The control points that we read are those that Blender makes of the curve with its modifiers."""
     spine = curve()
