@@ -11,7 +11,6 @@ from .before_after import draw_before_after, is_after
 from .diagnostics import draw_findings
 from .joint import draw_joint
 from .joints import draw_joints
-from .state import draw_timing
 
 PARENT_PANEL = "TURGOR_PT_volume"
 # An error from here on is rounded as roughly as that of plain skinning.
@@ -66,7 +65,6 @@ class TURGOR_PT_settings(bpy.types.Panel):
         buttons = self.layout.row(align=True)
         buttons.operator("object.turgor_volume_rebind", icon="FILE_REFRESH")
         buttons.operator("object.turgor_volume_remove", text="Remove", icon="X")
-        draw_timing(self.layout, known_of(ob))
 
 
 def has_volume(ob: bpy.types.Object | None) -> bool:
