@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import logging
+import os
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -48,3 +49,19 @@ def route(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, addon
     module = importlib.import_module("addon.live.route")
     monkeypatch.setattr(module, "preference", lambda: request.param)
     return request.param
+
+
+_exit_status = 0
+
+
+def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
+    global _exit_status
+    _exit_status = int(exitstatus)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure() -> None:
+    """Once EEVEE has run, Blender's module may wait forever for its own graphics thread while Python ends."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(_exit_status)
