@@ -6,10 +6,10 @@ SHELL := /bin/bash
 MAKEFLAGS += --no-builtin-rules
 
 # What `make demo` shows: a scene of blend_fixtures/, or any .blend, .glb, .gltf or .fbx with a rigged character; or
-# `fleshing`: bodies bent along a spine, after the paper's experiments.
+# `fleshing`: bodies bent along a spine, after the paper's experiments; or `weights`: automatic weights beside Blender's own.
 SCENE ?= elephant
 FILE  ?= .fixtures/$(SCENE).blend
-SHOWN  = $(if $(filter fleshing,$(SCENE)),demo.fleshing,demo "$(FILE)")
+SHOWN  = $(if $(filter fleshing weights,$(SCENE)),demo.$(SCENE),demo "$(FILE)")
 PYTEST_FLAGS ?= -q
 
 HAS_3.13 := $(shell environment/find_python.sh 3.13 2>/dev/null)
@@ -68,7 +68,7 @@ pictures: dist/.extension .fixtures/.ready ## the manual's pictures, for the nex
 
 # ---- see it --------------------------------------------------------------------------------------------------------
 
-demo: dist/.extension .fixtures/.ready $(NEWEST)/.ready ## pictures and figures of a character in demo_out/: make demo [SCENE=giraffe | SCENE=fleshing | FILE=path]
+demo: dist/.extension .fixtures/.ready $(NEWEST)/.ready ## pictures and figures of a character in demo_out/: make demo [SCENE=giraffe | SCENE=fleshing | SCENE=weights | FILE=path]
 	rm -rf demo_out
 	$(NEWEST)/bin/python -m $(SHOWN) --extension dist/*.zip --output demo_out
 

@@ -29,6 +29,8 @@ def merged(found: BoneWeights, existing: BoneWeights, choice: Choice) -> BoneWei
     weights of all bones stand.
     """
     bone_count = len(choice.bones)
+    if choice.bones.all() and choice.vertices.all():
+        return BoneWeights(found.offsets, found.bones, found.weights.astype(np.float32))
     new, old = (dense(weights, bone_count) for weights in (found, existing))
     is_chosen = choice.bones & ~choice.is_locked
     is_other = ~choice.bones & ~choice.is_locked
@@ -87,6 +89,5 @@ def dense(weights: BoneWeights, bone_count: int) -> NDArray[np.float64]:
     count = len(weights.offsets) - 1
     vertices = np.repeat(np.arange(count), np.diff(weights.offsets))
     cells = vertices * bone_count + weights.bones
-    sums = np.zeros(count * bone_count)
-    np.add.at(sums, cells, weights.weights)
+    sums = np.bincount(cells, weights.weights, count * bone_count).astype(np.float64, copy=False)
     return sums.reshape(count, bone_count)

@@ -52,7 +52,7 @@ def read_target(ob: bpy.types.Object) -> Target:
         _twins(surface, body),
         tuple(ob.vertex_groups.keys()),
         frozenset(group.name for group in ob.vertex_groups if group.lock_weight),
-        *rest.read_weights(mesh),
+        *(rest.read_weights(mesh) if ob.vertex_groups else _no_weights(mesh)),
         is_selected,
     )
 
@@ -126,6 +126,10 @@ def write_weights(
     finally:
         edited.free()
     ob.data.update()
+
+
+def _no_weights(mesh: bpy.types.Mesh) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]:
+    return np.zeros(len(mesh.vertices) + 1, np.int32), np.zeros(0, np.int32), np.zeros(0, np.float32)
 
 
 def _groups(ob: bpy.types.Object, names: Sequence[str]) -> Mapping[str, int]:

@@ -1,0 +1,1 @@
+"""Automatic weights beside Blender's own, on what breaks those."""

@@ -1,0 +1,56 @@
+"""`make demo SCENE=weights` from the zip to the table and the pictures."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+CASES = 19
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    directory = tmp_path_factory.mktemp("weights")
+    (archive,) = (REPOSITORY / "dist").glob("turgor-*.zip")
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    command = [sys.executable, "-m", "demo.weights", "--extension", archive, "--output", directory]
+    result = subprocess.run(command, cwd=REPOSITORY, env=environment, check=True, text=True, stdout=subprocess.PIPE)
+    return directory, result.stdout
+
+
+@pytest.fixture(scope="module")
+def report(run: tuple[Path, str]) -> dict[str, Any]:
+    return json.loads((run[0] / "report.json").read_text(encoding="utf-8"))
+
+
+def test_every_case_gets_good_weights(report: dict[str, Any]):
+    assert len(report["cases"]) == CASES
+    for name, ways in report["cases"].items():
+        assert ways["Turgor"]["is_good"], name
+        assert ways["Turgor"]["unweighted_count"] == 0, name
+        assert ways["Turgor"]["sum_error"] < 1e-6, name
+
+
+def test_bends_strain_edges_hardly_more_than_bone_heat(report: dict[str, Any]):
+    """Where bone heat is good too."""
+    for name, ways in report["cases"].items():
+        if ways["Blender"]["is_good"]:
+            assert ways["Turgor"]["distortion"] < 1.15 * ways["Blender"]["distortion"] + 1e-6, name
+
+
+def test_every_case_has_a_line_and_a_picture(run: tuple[Path, str], report: dict[str, Any]):
+    directory, printed = run
+    assert all(any(line.startswith(name) for line in printed.splitlines()) for name in report["cases"])
+    assert len(list(directory.glob("*.png"))) == CASES
+
+
+def test_large_meshes_take_a_quarter_of_the_time(report: dict[str, Any]):
+    (large,) = (times for name, times in report["times"].items() if name.startswith("100000"))
+    assert large["ratio"] < 0.25
