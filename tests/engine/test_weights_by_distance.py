@@ -153,7 +153,7 @@ def digest() -> str:
 def test_number_of_threads_does_not_matter():
     def in_threads(count: int) -> str:
         environment = {**os.environ, "RAYON_NUM_THREADS": str(count)}
-        command = [sys.executable, "-c", "import test_weights as t; print(t.digest())"]
+        command = [sys.executable, "-c", "import test_weights_by_distance as t; print(t.digest())"]
         here = Path(__file__).parent
         return subprocess.run(command, cwd=here, env=environment, check=True, capture_output=True, text=True).stdout
 
