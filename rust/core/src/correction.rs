@@ -92,6 +92,16 @@ impl FieldFrame {
         Self { frame_part: if step < 3 { 1.0 } else { 0.0 }, shares, ..*self }
     }
 
+    /// A volume over that of the joint's vicinity.
+    pub fn relative(&self, volume: f64) -> f64 {
+        volume.abs() * self.inverse_length.powi(3) / VICINITY_VOLUME
+    }
+
+    /// How far folds have set in, 0..1.
+    pub fn folded(&self) -> f64 {
+        self.folded
+    }
+
     /// Whether any of the volume goes along the axes.
     pub fn has_axes(&self) -> bool {
         self.frame_part > 0.0

@@ -51,6 +51,14 @@ pub struct Profiles {
     pub folded: Option<([Profile; 3], f64)>,
 }
 
+impl Profiles {
+    /// The same with folds filled in, each curve of height 1.
+    pub(crate) fn envelope(&self) -> Self {
+        let filled = |axes: &[Profile; 3]| axes.each_ref().map(Profile::envelope);
+        Self { axes: filled(&self.axes), folded: self.folded.as_ref().map(|(folded, loss)| (filled(folded), *loss)) }
+    }
+}
+
 /// How the volume lost at the joint at the head of `bone` is given back.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {

@@ -40,7 +40,7 @@ mod weights;
 mod weld;
 
 pub use error::{Error, Result};
-pub use frame::{JointField, Pose, Workspace};
+pub use frame::{JointField, Pose, RefinementNeed, Workspace};
 pub use joint::{Joint, Profiles, Shares};
 pub use mesh::{Mesh, Target};
 pub use profile::Profile;

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use crate::error::{Error, Result};
-use crate::frame::{Pose, Workspace};
+use crate::frame::{Details, Needs, Pose, RefinementNeed, Workspace};
 use crate::report::Report;
 use crate::volume_skin::VolumeSkin;
 
@@ -17,7 +17,8 @@ impl VolumeSkin {
     /// # Errors
     /// As `deform`, of the first pose that is refused.
     pub fn measure(&self, poses: &[Pose]) -> Result<Vec<Report>> {
-        self.side_by_side(poses, |_, workspace, _| workspace.report.clone())
+        let deform = |pose: &Pose, workspace: &mut Workspace, offsets: &mut [[f32; 3]]| self.deform(pose, workspace, offsets).map(drop);
+        self.side_by_side(poses, deform, |_, workspace, _| workspace.report.clone())
     }
 
     /// Writes what each pose makes of every vertex to `positions`, frame after frame, object space: skinned, and `effects`
@@ -44,11 +45,34 @@ impl VolumeSkin {
                 self.write_positions(workspace, offsets, effects[frame], &mut row);
             }
         };
-        self.side_by_side(poses, write).map(drop)
+        let deform = |pose: &Pose, workspace: &mut Workspace, offsets: &mut [[f32; 3]]| self.deform(pose, workspace, offsets).map(drop);
+        self.side_by_side(poses, deform, write).map(drop)
     }
 
-    /// What `finish` makes of each frame, its place among the poses, and its offsets.
-    fn side_by_side<T: Send + Sync>(&self, poses: &[Pose], finish: impl Fn(usize, &Workspace, &[[f32; 3]]) -> T + Sync) -> Result<Vec<T>> {
+    /// Where all of these poses together ask for more vertices; their order does not matter.
+    ///
+    /// # Errors
+    /// As `deform`, of the first pose that is refused.
+    pub fn refinement_need(&self, poses: &[Pose]) -> Result<RefinementNeed> {
+        let details = Details::new(self.joints());
+        let needs = Mutex::new(Needs::new(self.binding()));
+        let skin = |pose: &Pose, workspace: &mut Workspace, _: &mut [[f32; 3]]| self.skin_pose(pose, workspace);
+        self.side_by_side(poses, skin, |_, workspace, _| {
+            let mut own = Needs::new(self.binding());
+            self.add_needs(workspace, &details, &mut own);
+            needs.lock().unwrap_or_else(PoisonError::into_inner).join(&own);
+        })?;
+        let needs = needs.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok(needs.of_vertices(self.binding()))
+    }
+
+    /// What `finish` makes of each frame that `work` has done: its place among the poses, and its offsets.
+    fn side_by_side<T: Send + Sync>(
+        &self,
+        poses: &[Pose],
+        work: impl Fn(&Pose, &mut Workspace, &mut [[f32; 3]]) -> Result<()> + Sync,
+        finish: impl Fn(usize, &Workspace, &[[f32; 3]]) -> T + Sync,
+    ) -> Result<Vec<T>> {
         let first = self.workspace();
         let at_once = (MEMORY_MAX / first.memory_bytes().max(1)).max(1);
         let spare = Mutex::new(Some(first));
@@ -64,7 +88,7 @@ impl VolumeSkin {
                     let spare = spare.lock().unwrap_or_else(PoisonError::into_inner).take();
                     (spare.unwrap_or_else(|| self.workspace()), vec![[0.0; 3]; self.vertex_count()])
                 });
-                let outcome = self.deform(pose, workspace, offsets).map(drop);
+                let outcome = work(pose, workspace, offsets);
                 is_refused.fetch_or(outcome.is_err(), Ordering::Relaxed);
                 results[frame].get_or_init(|| outcome.map(|()| finish(frame, workspace, offsets)));
             }

@@ -34,6 +34,46 @@ impl Profile {
         if highest > 0.0 { steepest * self.half_steps / (step as f64 * highest) } else { 0.0 }
     }
 
+    /// The curve with the valleys between its highest places filled in, rising once and falling once, of height 1.
+    pub(crate) fn envelope(&self) -> Self {
+        let highest_so_far = |highest: &mut f64, &sample: &f64| {
+            *highest = highest.max(sample);
+            Some(*highest)
+        };
+        let highest = self.samples.iter().copied().fold(0.0, f64::max);
+        let height = if highest > 0.0 { highest } else { 1.0 };
+        let rising = self.samples.iter().scan(0.0, highest_so_far);
+        let mut falling: Vec<f64> = self.samples.iter().rev().scan(0.0, highest_so_far).collect();
+        falling.reverse();
+        Self { samples: rising.zip(falling).map(|(rise, fall)| rise.min(fall) / height).collect(), half_steps: self.half_steps }
+    }
+
+    /// Length of the longest chords that keep within `error` of the curve: root of mean squares, over that of its heights.
+    /// What the frequency of a wave asks for, a kink less.
+    pub(crate) fn chord_length(&self, error: f64) -> f64 {
+        let mut length = CHORD_MIN;
+        while length < 2.0 {
+            let found = self.chord_error(length);
+            if found > error {
+                return length * (error / found).sqrt();
+            }
+            length *= CHORD_STEP;
+        }
+        2.0
+    }
+
+    fn chord_error(&self, length: f64) -> f64 {
+        let (mut errors, mut heights) = (0.0, 0.0);
+        let span = 1.0 - length / 2.0;
+        for place in 0..=CHORD_PLACES {
+            let x = span * (2.0 * f64::from(place) / f64::from(CHORD_PLACES) - 1.0);
+            let chord = 0.5 * (self.at(x - length / 2.0) + self.at(x + length / 2.0));
+            errors += (self.at(x) - chord).powi(2);
+            heights += self.at(x).powi(2);
+        }
+        if heights > 0.0 { (errors / heights).sqrt() } else { 0.0 }
+    }
+
     /// Height at x.
     #[inline]
     pub fn at(&self, x: f64) -> f64 {
@@ -47,7 +87,21 @@ impl Profile {
     }
 }
 
+/// Chords are looked at from this length on, each so much longer than the last, at so many places.
+const CHORD_MIN: f64 = 0.015;
+const CHORD_STEP: f64 = 1.1;
+const CHORD_PLACES: i32 = 256;
+
 /// Width of the isotropic bell in joint lengths.
 pub(crate) const BELL_WIDTH: f64 = 0.25;
 /// exp(−q) for q = |x|²/σ², to 4 % of its height, is (1 − q/8)⁸: it ends here, with seven smooth derivatives.
 pub(crate) const BELL_END: f64 = 8.0;
+
+/// The bell as a curve.
+pub(crate) fn bell() -> Profile {
+    let samples = (-64..=64).map(|step| {
+        let x = f64::from(step) / 64.0;
+        (1.0 - x * x / (BELL_WIDTH * BELL_WIDTH * BELL_END)).max(0.0).powi(8)
+    });
+    Profile { samples: samples.collect(), half_steps: 64.0 }
+}

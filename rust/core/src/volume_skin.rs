@@ -6,7 +6,7 @@ use glam::{DMat4, DVec3, Vec3};
 
 use crate::binding::Binding;
 use crate::error::{Error, Result, check_finite};
-use crate::frame::{JointField, Pose, Workspace};
+use crate::frame::{Details, JointField, Needs, Pose, Workspace};
 use crate::joint::Joint;
 use crate::mask::Mask;
 use crate::report::Report;
@@ -169,9 +169,24 @@ impl VolumeSkin {
     /// As `deform`; a bone without a joint.
     pub fn joint_field(&self, bone: usize, pose: &Pose, workspace: &mut Workspace) -> Result<JointField> {
         let joint = self.joint_bones().iter().position(|&b| b as usize == bone).ok_or(Error::NoJoint { bone })?;
+        self.skin_pose(pose, workspace)?;
+        Ok(workspace.joint_field(&self.binding, &self.supports, &self.joints, joint))
+    }
+
+    /// Skins and measures a pose, and leaves the volume as it is.
+    pub(crate) fn skin_pose(&self, pose: &Pose, workspace: &mut Workspace) -> Result<()> {
         workspace.take(&self.binding, pose, self.options.keep_bone_scale)?;
         self.in_pool(|| self.skin(pose, workspace));
-        Ok(workspace.joint_field(&self.binding, &self.supports, &self.joints, joint))
+        Ok(())
+    }
+
+    /// Adds the workspace's pose to what poses ask for.
+    pub(crate) fn add_needs(&self, workspace: &Workspace, details: &Details, needs: &mut Needs) {
+        workspace.add_needs(&self.binding, &self.supports, details, needs);
+    }
+
+    pub(crate) fn binding(&self) -> &Binding {
+        &self.binding
     }
 
     /// One hop to the thread pool, not one for every sweep.

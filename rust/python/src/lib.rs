@@ -39,7 +39,7 @@ mod _native {
     #[pymodule_export]
     use super::mesh::{Component, Mesh, correct};
     #[pymodule_export]
-    use super::report::{Frame, Measures, Report};
+    use super::report::{Frame, Measures, RefinementNeed, Report};
     #[pymodule_export]
     use super::skinning::{Skeleton, Skinning};
     #[pymodule_export]

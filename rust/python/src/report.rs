@@ -1,4 +1,4 @@
-//! `turgor.Frame`, `turgor.Report` and `turgor.Measures`: what comes out.
+//! `turgor.Frame`, `turgor.Report`, `turgor.Measures` and `turgor.RefinementNeed`: what comes out.
 
 use glam::DVec3;
 use numpy::{PyArray1, PyArray2};
@@ -160,5 +160,24 @@ impl Measures {
     fn max_displacements<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let displacements: Vec<f64> = self.reports.iter().map(|report| report.max_displacement).collect();
         arrays::from_numbers(py, &displacements)
+    }
+}
+
+/// Where many poses ask for more vertices.
+#[pyclass(frozen, module = "turgor")]
+pub struct RefinementNeed {
+    pub inner: turgor::RefinementNeed,
+}
+
+#[pymethods]
+impl RefinementNeed {
+    #[getter]
+    fn gamma<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        arrays::from_numbers(py, &self.inner.gamma)
+    }
+
+    #[getter]
+    fn edge_lengths<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        arrays::from_numbers(py, &self.inner.edge_lengths)
     }
 }

@@ -10,7 +10,7 @@ use turgor::{Options, Solver, Workspace};
 use crate::joint::{Joint, JointField, bone_index};
 use crate::mesh::Mesh;
 use crate::pose::{PerFrame, PoseData, PosesData};
-use crate::report::{Frame, Measures, Report};
+use crate::report::{Frame, Measures, RefinementNeed, Report};
 use crate::skinning::Skinning;
 use crate::{TurgorError, arrays, refused};
 
@@ -249,6 +249,34 @@ impl VolumeSkin {
         let component_count = self.mesh.topology().components.len();
         Ok(Measures { reports, component_count, joint_count: self.inner.joint_bones().len() })
     }
+
+    #[pyo3(
+        signature = (pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=None, added_offsets=None, fleshed=None),
+        text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None)"
+    )]
+    #[allow(clippy::too_many_arguments, clippy::needless_pass_by_value, reason = "keywords of a Python call")]
+    fn refinement_need(
+        &self,
+        py: Python<'_>,
+        pose_matrices: &Bound<'_, PyAny>,
+        object_from_armature: Option<&Bound<'_, PyAny>>,
+        shape_values: Option<&Bound<'_, PyAny>>,
+        strengths: Option<&Bound<'_, PyAny>>,
+        target_scale: Option<&Bound<'_, PyAny>>,
+        added_offsets: Option<&Bound<'_, PyAny>>,
+        fleshed: Option<Vec<bool>>,
+    ) -> PyResult<RefinementNeed> {
+        let data = PosesData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale)?;
+        let added_offsets = added_offsets.map(|offsets| arrays::float_rows(offsets, "added_offsets")).transpose()?;
+        let mut poses = data.poses();
+        for pose in &mut poses {
+            pose.added_offsets = added_offsets.as_deref();
+            pose.is_fleshed = fleshed.as_deref();
+        }
+        let inner = py.detach(|| self.inner.refinement_need(&poses)).map_err(refused)?;
+        Ok(RefinementNeed { inner })
+    }
+
     #[pyo3(
         signature = (pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=None, effect=None),
         text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, effect=1.0)"

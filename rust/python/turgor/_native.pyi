@@ -337,6 +337,41 @@ class VolumeSkin:
         many frames at a time as memory allows.
         """
 
+    def refinement_need(
+        self,
+        pose_matrices: ArrayLike,
+        *,
+        object_from_armature: ArrayLike | None = None,
+        shape_values: ArrayLike | None = None,
+        strengths: ArrayLike | None = None,
+        target_scale: float | ArrayLike = 1.0,
+        added_offsets: ArrayLike | None = None,
+        fleshed: Sequence[bool] | None = None,
+    ) -> RefinementNeed:
+        """Where these poses together ask for more vertices than the mesh has; their order does not matter.
+
+        Arguments as in `measure`; added_offsets, fleshed: as in `deform`, the same for all poses.
+        """
+
+@final
+class RefinementNeed:
+    """Where joints give volume back, and how finely: the most of all poses (RHC09 4.3)."""
+
+    @property
+    def gamma(self) -> NDArray[np.float32]:
+        """(N,) largest weight of any joint in any pose, 0..1.
+
+        As in `JointField`, but for profiles of height 1 with the valleys between their highest places filled in: folds
+        are found too where vertices are too far apart to see them. In proportion less for a joint that gives back less
+        than 2 % of its vicinity's volume.
+        """
+    @property
+    def edge_lengths(self) -> NDArray[np.float32]:
+        """(N,) object space: edges so long follow the joints' profiles there to 5 % of their height, root mean square.
+
+        What gamma makes less visible asks for less; infinite where gamma is 0.
+        """
+
 @final
 class Frame:
     """Result of one frame, object space."""

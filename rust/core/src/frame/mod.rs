@@ -6,6 +6,7 @@ mod in_order;
 mod joint_field;
 mod offsets;
 mod one_direction;
+mod refinement;
 mod residual;
 mod scratch;
 mod skin;
@@ -17,6 +18,8 @@ use glam::{DAffine3, DMat4, DVec3};
 
 use self::added::Added;
 pub use self::joint_field::JointField;
+pub use self::refinement::RefinementNeed;
+pub(crate) use self::refinement::{Details, Needs};
 use crate::binding::Binding;
 use crate::correction::{Field, FieldFrame, Hold};
 use crate::error::{Error, Result};
