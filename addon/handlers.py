@@ -8,8 +8,8 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import migrations, runtime
-from .live import housekeeping, profiles, pull, push, route, shown, start, strokes
-from .properties import carrier
+from .live import housekeeping, profiles, pull, push, refining, route, shown, start, strokes
+from .properties import carrier, refine
 from .scene import node_group, stack
 
 
@@ -139,7 +139,9 @@ HANDLERS = (
 def register() -> None:
     carrier.TurgorCarrier.on_tick = staticmethod(pull.on_tick)
     runtime.session.look = shown.look
+    runtime.session.look_refined = refining.look
     runtime.session.find_modifier = stack.volume_modifier
+    refine.TurgorRefine.on_preview = staticmethod(refining.follow)
     profiles.register()
     for event, handler in HANDLERS:
         getattr(bpy.app.handlers, event).append(handler)
@@ -155,5 +157,6 @@ def unregister() -> None:
         getattr(bpy.app.handlers, event).remove(handler)
     profiles.unregister()
     carrier.TurgorCarrier.on_tick = staticmethod(carrier.ignore_tick)
+    refine.TurgorRefine.on_preview = staticmethod(refine.ignore_preview)
     shown.forget()
     runtime.session = runtime.Session()

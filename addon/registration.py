@@ -19,6 +19,7 @@ from .operators.joints import CLASSES as JOINT_OPERATORS
 from .operators.mask import OBJECT_OT_turgor_mask_paint
 from .operators.measure import OBJECT_OT_turgor_volume_measure
 from .operators.rebind import OBJECT_OT_turgor_volume_rebind
+from .operators.refine import OBJECT_OT_turgor_refine
 from .operators.remove import OBJECT_OT_turgor_volume_remove
 from .operators.spine import OBJECT_OT_turgor_spine_add, OBJECT_OT_turgor_spine_rebind, OBJECT_OT_turgor_spine_remove
 from .operators.spine import draw as draw_add_spine
@@ -30,6 +31,7 @@ from .panels.display import TURGOR_PT_display, TURGOR_PT_performance
 from .panels.joint_presets import TURGOR_PT_joint_presets
 from .panels.joints import TURGOR_MT_joints, TURGOR_UL_joints
 from .panels.masks import TURGOR_PT_masks
+from .panels.refine import TURGOR_PT_refine
 from .panels.sidebar import TURGOR_PT_sidebar
 from .panels.spine import TURGOR_PT_spine, TURGOR_PT_spine_settings
 from .panels.volume import TURGOR_PT_settings, TURGOR_PT_volume
@@ -54,12 +56,14 @@ CLASSES = (
     joint_presets.OBJECT_OT_turgor_joint_preset_add,
     *joint_assets.CLASSES,
     *weights.CLASSES,
+    OBJECT_OT_turgor_refine,
     TURGOR_PT_joint_presets,
     TURGOR_UL_joints,
     TURGOR_MT_joints,
     TURGOR_PT_volume,
     TURGOR_PT_curves,
     TURGOR_PT_masks,
+    TURGOR_PT_refine,
     TURGOR_PT_settings,
     TURGOR_PT_display,
     TURGOR_PT_performance,

@@ -135,6 +135,8 @@ class Character:
     timing: Timing | None = None
     # What was measured over the frames; None: not in this session.
     motion: Motion | None = None
+    # What that motion asks for where more vertices are wanted, `live.refining.Found`.
+    refinement: Any = None
     # Name of the armature's active bone when it was last looked at; None: not yet.
     active_bone: str | None = None
     # Works out what an overlay draws, `logic.sketch.Sketch`.
@@ -195,6 +197,8 @@ class Session:
     bake: Bake | None = None
     # What a viewport shows of an object with Turgor Volume, `logic.shown.Shown`; for draw callbacks.
     look: Callable[[Any], Any] | None = None
+    # What of it would be refined, `logic.refined_region.Region`.
+    look_refined: Callable[[Any], Any] | None = None
     # Its modifier Turgor Volume, whatever its name is now, or None.
     find_modifier: Callable[[Any], Any] = lambda ob: None
 

@@ -108,14 +108,15 @@ def _remember(
 def engine_of(target: bpy.types.Object, saved: settings.BodySettings, bound: Bound) -> turgor.VolumeSkin:
     """The engine under these settings of the character; the same object while they are equal."""
     return bound.body.with_settings(
-        _key(saved, bound),
+        settings_key(saved, bound),
         lambda: _joints(target, saved, bound),
         saved.solver.lower(),
         saved.keep_bone_scale,
     )
 
 
-def _key(saved: settings.BodySettings, bound: Bound) -> object:
+def settings_key(saved: settings.BodySettings, bound: Bound) -> object:
+    """Equal while the engine is."""
     arrays = tuple(array.tobytes() for array in saved.joints)
     return arrays, saved.seconds, saved.solver, saved.keep_bone_scale, bound.curves.stamps
 

@@ -7,7 +7,18 @@ import bpy
 from .. import runtime
 from ..properties.tagging import take_changed
 from ..scene import carrier, drivers, node_group, spine_stack, stack
-from . import active_bones, binding, housekeeping, masks, profiles, route, spine_binding, spine_housekeeping, strokes
+from . import (
+    active_bones,
+    binding,
+    housekeeping,
+    masks,
+    profiles,
+    refining,
+    route,
+    spine_binding,
+    spine_housekeeping,
+    strokes,
+)
 
 # Weights are bound anew after each stroke of the brush where it takes less.
 MOST_SECONDS_TO_BIND = 0.1
@@ -95,6 +106,7 @@ def _follow_character(target: bpy.types.Object, *, is_edited: bool) -> None:
         _bind(target)
         return
     masks.follow(target, is_edited=is_edited)
+    refining.follow(target)
     if not known.is_stale:
         follow_curves(target)
         binding.refresh_state(target)

@@ -6,7 +6,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import runtime
-from ..live import housekeeping, measuring, push, route
+from ..live import housekeeping, measuring, push, route, sampling
 from ..messages import translated
 from ..scene import obstacles, stack
 
@@ -61,7 +61,7 @@ def _look_over(scene: bpy.types.Scene, ob: bpy.types.Object) -> None:
     if runtime.character(ob.session_uid).body is None:
         return
     try:
-        measuring.measure(ob, measuring.quick_frames(ob, measuring.scene_frames(scene)))
+        measuring.measure(ob, sampling.quick_frames(ob, sampling.scene_frames(scene)))
     except ValueError as error:
         # A frame elsewhere is broken; the character itself is fine.
         runtime.log.warning("%s: not measured: %s", ob.name, error)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ..live import measuring
+from ..live import measuring, sampling
 from ..live.binding_rules import is_editable
 from ..messages import of_error, translated
 from ..properties.joint import TurgorJoint
@@ -33,7 +33,7 @@ class OBJECT_OT_turgor_fold_loss_measure(bpy.types.Operator):
         ob = character_of(context)
         joint = ob.turgor.joints[ob.turgor.active_joint]
         try:
-            motion = measuring.measure(ob, measuring.scene_frames(context.scene))
+            motion = measuring.measure(ob, sampling.scene_frames(context.scene))
         except ValueError as error:
             self.report({"ERROR"}, translated(of_error(error), rpt_))
             return {"CANCELLED"}

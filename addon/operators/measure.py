@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..live import measuring
+from ..live import measuring, sampling
 from ..scene import stack
 from .character import character_of
 
@@ -27,7 +27,7 @@ class OBJECT_OT_turgor_volume_measure(bpy.types.Operator):
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        frames = measuring.scene_frames(context.scene)
+        frames = sampling.scene_frames(context.scene)
         window_manager = context.window_manager
         window_manager.progress_begin(0, max(len(frames), 1))
         try:

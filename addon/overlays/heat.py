@@ -15,11 +15,8 @@ from .. import runtime
 from ..messages import signed_percent
 from . import text
 from .characters import MODES, active_joint
+from .over_skin import draw_front, over_skin
 
-# Towards the viewer, as part of the median edge: for skin that is drawn as it is, and for skin that a modifier after
-# ours smooths, which then runs up to so far beside it.
-BIAS, SMOOTHED_BIAS = 0.02, 0.3
-SMOOTHING = frozenset({"SUBSURF", "MULTIRES", "SMOOTH", "CORRECTIVE_SMOOTH", "LAPLACIANSMOOTH", "REMESH", "BEVEL"})
 # Of the legend, in widgets.
 BAR_WIDTH, BAR_HEIGHT = 9.0, 0.5
 
@@ -44,31 +41,8 @@ def draw(context: bpy.types.Context, ob: bpy.types.Object) -> None:
     drawn = _prepare(ob)
     if drawn is None:
         return
-    view = context.region_data
-    bias = SMOOTHED_BIAS if _is_smoothed(ob) else BIAS
-    bias *= drawn.shown.flesh.edge_length * _scale(ob)
-    shader = gpu.shader.from_builtin("SMOOTH_COLOR")
-    gpu.matrix.push()
-    gpu.matrix.push_projection()
-    gpu.matrix.load_projection_matrix(_nearer(gpu.matrix.get_projection_matrix(), view, ob, bias))
-    gpu.matrix.multiply_matrix(ob.matrix_world)
-    gpu.state.blend_set("ALPHA")
-    gpu.state.depth_test_set("LESS_EQUAL")
-    try:
-        # What is nearest first, so that far skin does not shine through near skin.
-        gpu.state.depth_mask_set(True)
-        gpu.state.color_mask_set(False, False, False, False)
-        drawn.batch.draw(shader)
-        gpu.state.depth_mask_set(False)
-        gpu.state.color_mask_set(True, True, True, True)
-        drawn.batch.draw(shader)
-    finally:
-        gpu.state.color_mask_set(True, True, True, True)
-        gpu.state.depth_mask_set(False)
-        gpu.state.depth_test_set("NONE")
-        gpu.state.blend_set("NONE")
-        gpu.matrix.pop_projection()
-        gpu.matrix.pop()
+    with over_skin(context, ob, drawn.shown.flesh.edge_length):
+        draw_front(drawn.batch, gpu.shader.from_builtin("SMOOTH_COLOR"))
 
 
 def draw_legend(context: bpy.types.Context, ob: bpy.types.Object, x: float, y: float) -> float:
@@ -142,26 +116,6 @@ def _batch(positions: Any, colors: Any, elements: gpu.types.GPUIndexBuf) -> gpu.
     vertices.attr_fill(id="pos", data=np.ascontiguousarray(positions))
     vertices.attr_fill(id="color", data=np.ascontiguousarray(colors))
     return gpu.types.GPUBatch(type="TRIS", buf=vertices, elem=elements)
-
-
-def _nearer(projection: Any, view: bpy.types.RegionView3D, ob: bpy.types.Object, bias: float) -> Any:
-    """The projection with depths as if everything were nearer to the viewer by `bias` where the object is."""
-    moved = projection.copy()
-    if view.is_perspective:
-        distance = -(view.view_matrix @ ob.matrix_world.translation).z
-        # z' / w with z -> z (1 - part), w as it is.
-        moved[2][3] /= 1.0 - min(bias / max(distance, bias * 2.0), 0.5)
-    else:
-        moved[2][3] += moved[2][2] * bias
-    return moved
-
-
-def _is_smoothed(ob: bpy.types.Object) -> bool:
-    return any(modifier.type in SMOOTHING and modifier.show_viewport for modifier in ob.modifiers)
-
-
-def _scale(ob: bpy.types.Object) -> float:
-    return max(abs(part) for part in ob.matrix_world.to_scale())
 
 
 def _value(context: bpy.types.Context, heat: str, value: float) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 
 from .. import runtime
-from . import graph, heat, joint_axes, readout, text
+from . import graph, heat, joint_axes, readout, refined, text
 from .characters import shown
 
 _handles: list[Any] = []
@@ -16,6 +16,7 @@ _handles: list[Any] = []
 def draw_in_space() -> None:
     """In world space, over the mesh."""
     heat.keep_only(runtime.session.characters)
+    refined.keep_only(runtime.session.characters)
     if not runtime.session.characters:
         return
     context = bpy.context
@@ -25,6 +26,10 @@ def draw_in_space() -> None:
             heat.draw(context, ob)
         else:
             heat.free(ob)
+        if refined.is_wanted(ob):
+            refined.draw(context, ob)
+        else:
+            refined.free(ob)
         if display.show_axes:
             joint_axes.draw(context, ob)
 
@@ -66,3 +71,4 @@ def unregister() -> None:
     while _handles:
         bpy.types.SpaceView3D.draw_handler_remove(_handles.pop(), "WINDOW")
     heat.keep_only(set())
+    refined.keep_only(set())

@@ -10,6 +10,7 @@ from .display import TurgorDisplay
 from .joint import TurgorJoint
 from .preferences import TurgorPreferences
 from .profiles import TurgorProfiles
+from .refine import TurgorRefine
 from .several import TurgorSeveral
 from .spine import TurgorSpine
 from .tagging import OVERRIDABLE
@@ -21,6 +22,7 @@ CLASSES = (
     TurgorJoint,
     TurgorSeveral,
     TurgorDisplay,
+    TurgorRefine,
     TurgorObject,
     TurgorSpine,
     TurgorBake,

@@ -16,6 +16,7 @@ from .carrier import TurgorCarrier
 from .display import TurgorDisplay
 from .joint import TurgorJoint
 from .profiles import ProfileHooks
+from .refine import TurgorRefine
 from .several import TurgorSeveral
 from .tagging import OVERRIDABLE, tag
 
@@ -87,6 +88,7 @@ class TurgorObject(bpy.types.PropertyGroup):
         override=OVERRIDABLE,
     )
     display: PointerProperty(type=TurgorDisplay, override=OVERRIDABLE)
+    refine: PointerProperty(type=TurgorRefine)
     # The mesh as it was bound: frame at which modifiers before the Armature were read, its topology, and the matrix
     # object_from_armature by rows, all zero when there is none yet.
     bound_frame: IntProperty(override=OVERRIDABLE, options={"HIDDEN"})

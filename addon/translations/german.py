@@ -833,4 +833,56 @@ TEXTS: dict[str, str] = {
         "Alle gewählten Knochen sind gesperrt: eine Gruppe entsperren oder Gesperrte behalten ausschalten"
     ),
     "The mesh of {object} is linked: make it local first": "Das Netz von {object} ist verknüpft: zuerst lokal machen",
+    # Refine
+    "Refine": "Verfeinern",
+    "Split faces where joints give back volume over the scene's frames, or its preview range; all that the mesh carries"
+    " goes along": (
+        "Flächen teilen, wo Gelenke in den Bildern der Szene oder ihrem Vorschaubereich Volumen zurückgeben; alles, was"
+        " das Netz trägt, geht mit"
+    ),
+    "Threshold": "Schwelle",
+    "Least weight of a joint that loses volume, from which on faces are refined": (
+        "Kleinstes Gewicht eines Gelenks, das Volumen verliert, ab dem Flächen verfeinert werden"
+    ),
+    "Levels": "Stufen",
+    "Most Levels": "Höchstens Stufen",
+    "How often faces are split into four; the most where automatic": (
+        "Wie oft Flächen in vier geteilt werden; bei Automatisch höchstens so oft"
+    ),
+    "Split each face only as often as the profile curves of its joints need to be seen: folds more than bulges": (
+        "Jede Fläche nur so oft teilen, dass die Profilkurven ihrer Gelenke zu sehen sind: Falten öfter als Wülste"
+    ),
+    "Where new vertices lie": "Wo neue Punkte liegen",
+    "Linear": "Linear",
+    "New vertices lie on the surface as it is: the rest shape stays the same": (
+        "Neue Punkte liegen auf der Oberfläche, wie sie ist: Die Ruheform bleibt gleich"
+    ),
+    "Smooth": "Glatt",
+    "Catmull-Clark: refined faces are rounded as a Subdivision Surface modifier would": (
+        "Catmull-Clark: Verfeinerte Flächen werden gerundet wie vom Modifikator Unterteilungsfläche"
+    ),
+    "Preview": "Vorschau",
+    "Color the faces that would be refined over the scene's frames, or its preview range, and draw the new edges": (
+        "Die Flächen färben, die für die Bilder der Szene oder ihren Vorschaubereich verfeinert würden, und die neuen"
+        " Kanten zeichnen"
+    ),
+    "{count:,} of {all:,} faces": "{count:,} von {all:,} Flächen",
+    "{vertices:,} vertices afterwards": "danach {vertices:,} Punkte",
+    "{count:,} of {all:,} faces refined, {vertices:,} vertices now": (
+        "{count:,} von {all:,} Flächen verfeinert, jetzt {vertices:,} Punkte"
+    ),
+    "No face is refined: nothing there asks for more, or the threshold is too high": (
+        "Keine Fläche wird verfeinert: Nichts verlangt dort mehr, oder die Schwelle ist zu hoch"
+    ),
+    "{modifier} was bound to the mesh as it was: bind it again": (
+        "{modifier} war an das Netz gebunden, wie es war: neu binden"
+    ),
+    "The mesh is linked: refine it in its own file": "Das Netz ist verknüpft: in seiner eigenen Datei verfeinern",
+    "The mesh is in Edit Mode: leave it first": "Das Netz ist im Bearbeitungsmodus: zuerst verlassen",
+    "{object} has a Multiresolution modifier: apply it, or refine before sculpting": (
+        "{object} hat einen Modifikator Multiauflösung: anwenden, oder vor dem Modellieren verfeinern"
+    ),
+    "Two faces have the same vertices: merge vertices by distance, or delete one": (
+        "Zwei Flächen haben dieselben Punkte: Punkte nach Abstand verschmelzen oder eine löschen"
+    ),
 }

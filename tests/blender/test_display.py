@@ -159,7 +159,7 @@ def test_skin_is_drawn_in_its_colors_over_itself(is_perspective):
     import gpu
     from mathutils import Matrix
 
-    heat = importlib.import_module("addon.overlays.heat")
+    heat, skin = (importlib.import_module(f"addon.overlays.{name}") for name in ("heat", "over_skin"))
     ob, _ = character(rings=41)
     add_turgor(ob)
     _at(FRAME)
@@ -186,11 +186,11 @@ def test_skin_is_drawn_in_its_colors_over_itself(is_perspective):
                 gpu.matrix.load_projection_matrix(projection)
                 heat.draw(context, ob)
                 # The depths stand; the same surface again, a little farther, has no place before itself.
-                heat.BIAS, before = bias_sign * heat.BIAS, heat.BIAS
+                skin.BIAS, before = bias_sign * skin.BIAS, skin.BIAS
                 ob.turgor.display.heat = "STRAIN"
                 heat.draw(context, ob)
                 ob.turgor.display.heat = "DISPLACEMENT"
-                heat.BIAS = before
+                skin.BIAS = before
             pixels = np.array(buffer.read_color(0, 0, size, size, 4, 0, "FLOAT").to_list())
         target.free()
         return pixels

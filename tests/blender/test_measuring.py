@@ -14,8 +14,8 @@ FRAMES = range(1, LAST_FRAME + 1)
 
 
 @pytest.fixture
-def measuring(package):
-    return importlib.import_module("addon.live.measuring")
+def sampling(package):
+    return importlib.import_module("addon.live.sampling")
 
 
 def _measure(ob):
@@ -63,12 +63,12 @@ def test_the_preview_range_counts_when_it_is_used(runtime):
     assert runtime.character(ob.session_uid).motion.frames.tolist() == [3, 4, 5, 6, 7]
 
 
-def test_long_motions_are_the_sum_of_their_batches(runtime, measuring, monkeypatch):
+def test_long_motions_are_the_sum_of_their_batches(runtime, sampling, monkeypatch):
     ob, _ = character()
     add_turgor(ob)
     _measure(ob)
     whole = runtime.character(ob.session_uid).motion
-    monkeypatch.setattr(measuring, "BATCH", 3)
+    monkeypatch.setattr(sampling, "BATCH", 3)
     _measure(ob)
     parts = runtime.character(ob.session_uid).motion
     assert (parts.joint_losses == whole.joint_losses).all()
@@ -101,18 +101,18 @@ def test_rigs_without_animation_are_tried_out(runtime):
     assert [tuple(bone.rotation_euler) for bone in rig.pose.bones] == [(pytest.approx(0.3), 0.0, 0.0)] * 3
 
 
-def test_fewer_frames_where_nobody_asked(measuring, runtime):
+def test_fewer_frames_where_nobody_asked(sampling, runtime):
     ob, _ = character()
     add_turgor(ob)
     frames = list(range(1, 100001))
-    few = measuring.quick_frames(ob, frames)
+    few = sampling.quick_frames(ob, frames)
     assert few[0] == 1
     assert few[-1] == 100000
-    assert len(few) == measuring.QUICK_POSES
+    assert len(few) == sampling.QUICK_POSES
     steps = np.diff(few)
     assert steps.max() - steps.min() <= 1
-    assert measuring.quick_frames(ob, [5]) == [5]
-    assert measuring.quick_frames(ob, list(FRAMES)) == list(FRAMES)
+    assert sampling.quick_frames(ob, [5]) == [5]
+    assert sampling.quick_frames(ob, list(FRAMES)) == list(FRAMES)
 
 
 def test_a_loss_in_the_unit_of_folding_folds_fully(runtime):

@@ -1,0 +1,234 @@
+"""More faces where joints give volume back: what the motion asks for, the preview, and the mesh itself.
+
+A mesh is refined once, for its whole motion and at rest: frames only ever see the denser mesh. On the main thread only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+import turgor
+
+from .. import runtime
+from ..logic import fingerprint
+from ..logic.polygons import Faces
+from ..logic.refined_faces import Split
+from ..logic.refined_region import Need, Options, Region, surface
+from ..logic.refinement import Refinement
+from ..messages import message
+from ..scene import face_origins, refined_mesh, settings, spine_stack, stack
+from . import binding, frame, sampling, spine_binding, strokes
+from .binding import Bound
+from .sampling import Sample
+
+# After a setting was changed.
+SECONDS_TO_REST = 0.3
+
+
+class RefineError(ValueError):
+    """Why the mesh is not refined, and what to do."""
+
+
+class Found(NamedTuple):
+    """What a motion asks for, kept with the character."""
+
+    state: object  # of what it depends on, but for the motion
+    motion: str  # fingerprint of the poses
+    need: Need
+    regions: dict[Options, Region]  # the last that was looked at
+
+    def region(self, options: Options) -> Region:
+        """The same object for the same options."""
+        if options not in self.regions:
+            self.regions.clear()
+            self.regions[options] = Region(self.need, options)
+        return self.regions[options]
+
+
+def find(target: bpy.types.Object, tell: Callable[[int], None] = lambda done: None) -> Found:
+    """Look at the motion, and keep what it asks for. tell: is told how many frames are done.
+
+    Raises ValueError where the character is not bound or a frame cannot be read.
+    """
+    bound = sampling.bound(target)
+    watched = sampling.Watched(sampling.samples(target, bound, frames(target), tell))
+    samples = list(watched)
+    if not watched.has_moved:
+        samples = list(sampling.turned(target, bound))
+    known = runtime.character(target.session_uid)
+    state, motion = _state(target, bound), _fingerprint(samples)
+    before: Found | None = known.refinement
+    if before is not None and (before.state, before.motion) == (state, motion):
+        return before
+    known.refinement = found = Found(state, motion, _need(target, bound, samples), {})
+    return found
+
+
+def frames(target: bpy.types.Object) -> list[int]:
+    """Those that are looked at."""
+    return sampling.quick_frames(target, sampling.scene_frames(bpy.context.scene))
+
+
+def look(ob: bpy.types.Object) -> Region | None:
+    """What the preview shows of the object; None while it is off, or nothing was found yet. For draw callbacks."""
+    known = runtime.session.characters.get(ob.session_uid)
+    saved = ob.turgor.refine
+    if known is None or known.refinement is None or known.body is None or not saved.show_preview:
+        return None
+    found: Found = known.refinement
+    if len(found.need.bound_positions) != known.body.body.vertex_count:
+        return None
+    return found.region(options_of(saved))
+
+
+def options_of(saved: bpy.types.PropertyGroup) -> Options:
+    """saved: the character's settings, or an operator with the same ones."""
+    return Options(saved.threshold, saved.levels, saved.use_automatic, saved.method == "SMOOTH")
+
+
+def follow(target: bpy.types.Object) -> None:
+    """Find again, a little later, what an edit may have changed; only while it is previewed."""
+    if not target.turgor.refine.show_preview:
+        return
+    known = runtime.character(target.session_uid)
+    if known.body is not None and (known.refinement is None or known.refinement.state != _state(target, known.body)):
+        strokes.when_quiet(target.session_uid, "refine", refresh, SECONDS_TO_REST)
+
+
+def refresh(target: bpy.types.Object) -> None:
+    """Find again for the preview; without a motion that can be read there is none."""
+    known = runtime.character(target.session_uid)
+    try:
+        find(target)
+    except ValueError as error:
+        known.refinement = None
+        runtime.log.warning("%s: no preview: %s", target.name, error)
+
+
+def refine(target: bpy.types.Object, options: Options, tell: Callable[[int], None] = lambda done: None) -> Refinement:
+    """Split faces of the mesh itself, and bind anew all that show it. With nothing to split nothing is touched.
+
+    Raises RefineError, or ValueError as `find`.
+    """
+    mesh = target.data
+    _check(target)
+    # Nothing may have been evaluated since the last edit.
+    binding.bind(target)
+    found = find(target, tell).region(options).refinement
+    if not found.splits:
+        return found
+    positions = refined_mesh.read_surface(mesh).positions
+    keys = refined_mesh.read_key_positions(mesh)
+    place = found.smoothed if options.is_smooth else found.vertices
+    key_positions = np.array([place(row) for row in keys]).reshape(len(keys), found.vertex_count, 3)
+    offsets, corners = found.faces
+    with runtime.quiet():
+        try:
+            refined_mesh.write(
+                mesh,
+                [_level(split) for split in found.splits],
+                refined_mesh.NewFaces(offsets, corners, found.parents, found.is_new, found.corner_origins),
+                place(positions),
+                key_positions,
+                found.corners,
+            )
+        except refined_mesh.DoubledFaceError as error:
+            raise RefineError("Two faces have the same vertices: merge vertices by distance, or delete one") from error
+    for user in _users(mesh):
+        _bind(user)
+    return found
+
+
+def loose_modifiers(mesh: bpy.types.Mesh) -> list[str]:
+    """Modifiers that were bound to the vertices as they were."""
+    return sorted({item.name for user in _users(mesh) for item in user.modifiers if getattr(item, "is_bound", False)})
+
+
+def _check(target: bpy.types.Object) -> None:
+    mesh = target.data
+    if mesh.is_editmode:
+        raise RefineError("The mesh is in Edit Mode: leave it first")
+    for user in _users(mesh):
+        if any(modifier.type == "MULTIRES" for modifier in user.modifiers):
+            raise RefineError(
+                message(
+                    "{object} has a Multiresolution modifier: apply it, or refine before sculpting", object=user.name
+                )
+            )
+
+
+def _users(mesh: bpy.types.Mesh) -> list[bpy.types.Object]:
+    return [ob for ob in bpy.data.objects if ob.data == mesh]
+
+
+def _bind(target: bpy.types.Object) -> None:
+    """As it was bound, but for the mesh: the placement of then stays."""
+    if spine_stack.spine_modifier(target) is not None:
+        spine_binding.bind(target, accept_topology=True)
+    if stack.volume_modifier(target) is not None:
+        runtime.character(target.session_uid).body = None
+        binding.bind(target, accept_topology=True)
+
+
+def _state(target: bpy.types.Object, bound: Bound) -> object:
+    mask = bound.body.mask
+    saved = settings.read_settings(target)
+    return (
+        bound.content,
+        None if mask is None else mask.tobytes(),
+        frame.settings_key(saved, bound),
+        saved.target_volume,
+        tuple(sampling.scene_frames(bpy.context.scene)),
+    )
+
+
+def _fingerprint(samples: Sequence[Sample]) -> str:
+    arrays = [
+        array
+        for sample in samples
+        for array in (
+            sample.pose_matrices,
+            sample.strengths,
+            sample.object_from_armature,
+            sample.shape_values,
+            np.zeros(0, np.float32) if sample.added_offsets is None else sample.added_offsets,
+        )
+    ]
+    return fingerprint.fingerprint(arrays, [sample.target_scale for sample in samples])
+
+
+def _need(target: bpy.types.Object, bound: Bound, samples: Sequence[Sample]) -> Need:
+    count = bound.body.vertex_count
+    gamma, edge_lengths = np.zeros(count, np.float32), np.full(count, np.inf, np.float32)
+    for batch in sampling.batches(samples):
+        need = _of_batch(batch, bound)
+        gamma, edge_lengths = np.maximum(gamma, need.gamma), np.minimum(edge_lengths, need.edge_lengths)
+    anatomy = bound.body.flesh.anatomy
+    faces = Faces(anatomy.face_offsets, anatomy.face_corners)
+    read = refined_mesh.read_surface(target.data)
+    armature = stack.armature_modifier(target)
+    origins = face_origins.face_origins(target, armature, target.turgor.bound_frame)
+    return Need(surface(*read[1:]), faces, anatomy.rest_positions, origins, gamma, edge_lengths)
+
+
+def _of_batch(batch: Sequence[Sample], bound: Bound) -> turgor.RefinementNeed:
+    first = batch[0]
+    return first.engine.refinement_need(
+        np.stack([sample.pose_matrices for sample in batch]),
+        object_from_armature=np.stack([sample.object_from_armature for sample in batch]),
+        shape_values=np.stack([sample.shape_values for sample in batch]) if len(first.shape_values) else None,
+        target_scale=np.array([sample.target_scale for sample in batch]),
+        added_offsets=first.added_offsets,
+        fleshed=None if first.added_offsets is None else bound.fleshed,
+    )
+
+
+def _level(split: Split) -> refined_mesh.Level:
+    counts = split.before.counts[split.centred]
+    offsets = np.concatenate([[0], np.cumsum(counts)])
+    starts = split.before.offsets[:-1][split.centred]
+    places = np.repeat(starts - offsets[:-1], counts) + np.arange(int(counts.sum()))
+    return refined_mesh.Level(split.edge_ends, offsets, split.before.corners[places])

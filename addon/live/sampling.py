@@ -1,0 +1,141 @@
+"""Poses of a character with the settings of their frames, for what looks at a whole motion. On the main thread only.
+
+The motion is the scene's frames, sampled apart; where nothing moves in them, a test range of motion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import groupby
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+import turgor
+from numpy.typing import NDArray
+
+from .. import runtime
+from ..logic import range_of_motion
+from ..scene import frame, pose_samples, settings, shape_keys, stack
+from . import binding, spine_frame
+from .binding import Bound
+from .frame import engine_of
+
+# What looking at a motion takes at most where nobody asked for it, about a second: vertices times poses, and poses.
+QUICK_VERTEX_POSES = 2e7
+QUICK_POSES = 120
+# Poses that the engine gets at once, spread over all processors.
+BATCH = 64
+# Entries of pose matrices that differ by less, in units of the rig's own entries, do not move.
+STILL = 1e-5
+
+
+class Sample(NamedTuple):
+    """One pose with the settings of its frame."""
+
+    engine: turgor.VolumeSkin
+    strengths: NDArray[np.float64]  # (J,)
+    target_scale: float
+    pose_matrices: NDArray[np.float32]  # (B, 4, 4)
+    object_from_armature: NDArray[np.float64]  # (4, 4)
+    shape_values: NDArray[np.float32]  # (K,)
+    added_offsets: NDArray[np.float32] | None  # (N, 3) of Turgor Spine
+
+
+def bound(target: bpy.types.Object) -> Bound:
+    """As the stack is now. Raises ValueError where the character is not bound."""
+    known = runtime.character(target.session_uid)
+    if known.signature != stack.signature(target):
+        # A script changed the stack, and nothing has been evaluated since.
+        binding.bind(target)
+    if known.body is None:
+        raise ValueError(known.problem or "The character is not bound: press Rebind")
+    return known.body
+
+
+def scene_frames(scene: bpy.types.Scene) -> list[int]:
+    """All frames of the preview range if it is used, else of the scene."""
+    if scene.use_preview_range:
+        return list(range(scene.frame_preview_start, scene.frame_preview_end + 1))
+    return list(range(scene.frame_start, scene.frame_end + 1))
+
+
+def quick_frames(target: bpy.types.Object, frames: Sequence[int]) -> list[int]:
+    """Frames for a measurement that nobody asked for: evenly fewer, the first and the last kept.
+
+    By counts alone, not by the clock: the same file gets the same figures on every machine.
+    """
+    most = min(QUICK_POSES, _quick_poses(runtime.character(target.session_uid).body))
+    if len(frames) <= most:
+        return list(frames)
+    return [frames[place] for place in np.unique(np.linspace(0, len(frames) - 1, most).round().astype(int))]
+
+
+def samples(
+    target: bpy.types.Object, bound: Bound, frames: Sequence[float], tell: Callable[[int], None]
+) -> Iterator[Sample]:
+    """At these frames of the scene. tell: is told how many are done."""
+    for done, evaluated in enumerate(pose_samples.evaluated_apart(target, frames)):
+        inputs = frame.read_frame(evaluated)
+        saved = settings.read_settings(evaluated)
+        added = None
+        if bound.fleshed is not None:
+            added = spine_frame.added_offsets(evaluated, bound.body.vertex_count)
+        yield Sample(
+            engine_of(evaluated, saved, bound),
+            bound.body.joint_strengths,
+            saved.target_volume,
+            inputs.pose_matrices[bound.bones.pose_indices],
+            inputs.object_from_armature,
+            inputs.shape_values,
+            added,
+        )
+        tell(done + 1)
+
+
+def turned(target: bpy.types.Object, bound: Bound) -> Iterator[Sample]:
+    """Each joint turned in turn."""
+    saved = settings.read_settings(target)
+    engine = engine_of(target, saved, bound)
+    joints = bound.body.joint_bones
+    groups = max(_quick_poses(bound) // range_of_motion.TURNS_PER_JOINT, 1)
+    poses = range_of_motion.poses(bound.bones.parents.tolist(), bound.bones.rest_matrices, joints, groups)
+    shape_values = np.zeros_like(shape_keys.read_values(target))
+    for pose in poses:
+        yield Sample(engine, bound.body.joint_strengths, 1.0, pose, bound.placement, shape_values, None)
+
+
+def batches(poses: Iterable[Sample]) -> Iterator[list[Sample]]:
+    """Neighbours under the same settings; one by one where Turgor Spine adds to the skin."""
+    for _, alike in groupby(poses, lambda sample: id(sample.engine)):
+        batch: list[Sample] = []
+        for sample in alike:
+            batch.append(sample)
+            if len(batch) == BATCH or sample.added_offsets is not None:
+                yield batch
+                batch = []
+        if batch:
+            yield batch
+
+
+class Watched:
+    """Hands samples on and remembers whether any pose differs from the first."""
+
+    def __init__(self, poses: Iterator[Sample]) -> None:
+        self._samples = poses
+        self._first: NDArray[np.float32] | None = None
+        self.has_moved = False
+
+    def __iter__(self) -> Iterator[Sample]:
+        for sample in self._samples:
+            if self._first is None:
+                self._first = sample.pose_matrices
+            least = STILL * max(float(np.abs(self._first).max(initial=0.0)), 1.0)
+            if not self.has_moved:
+                self.has_moved = bool(np.abs(sample.pose_matrices - self._first).max(initial=0.0) > least)
+            yield sample
+
+
+def _quick_poses(bound: Bound | None) -> int:
+    vertex_count = 1 if bound is None else max(bound.body.vertex_count, 1)
+    return max(int(QUICK_VERTEX_POSES / vertex_count), 2)

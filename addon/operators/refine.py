@@ -1,0 +1,78 @@
+"""Refine a character's mesh where its joints give volume back."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from ..live import refining
+from ..messages import of_error, translated
+from ..properties import refine as properties
+from ..scene import stack
+from .character import character_of
+
+
+class OBJECT_OT_turgor_refine(bpy.types.Operator):
+    bl_idname = "object.turgor_refine"
+    bl_label = "Refine"
+    bl_description = (
+        "Split faces where joints give back volume over the scene's frames, or its preview range;"
+        " all that the mesh carries goes along"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    __annotations__ = properties.settings()
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        ob = character_of(context)
+        if ob is None or stack.volume_modifier(ob) is None:
+            cls.poll_message_set("The active object has no Turgor Volume")
+            return False
+        if ob.library is not None:
+            cls.poll_message_set("The object is linked: make a library override first")
+            return False
+        if ob.data.library is not None:
+            cls.poll_message_set("The mesh is linked: refine it in its own file")
+            return False
+        if ob.mode not in {"OBJECT", "POSE"}:
+            cls.poll_message_set("Leave the edit or paint mode first")
+            return False
+        return True
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        for name in ("threshold", "use_automatic", "levels", "method"):
+            layout.prop(self, name)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """With what the panel shows."""
+        saved = character_of(context).turgor.refine
+        for name in properties.settings():
+            if not self.properties.is_property_set(name):
+                setattr(self, name, getattr(saved, name))
+        return self.execute(context)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        ob = character_of(context)
+        before = len(ob.data.polygons)
+        window_manager = context.window_manager
+        window_manager.progress_begin(0, len(refining.frames(ob)))
+        try:
+            found = refining.refine(ob, refining.options_of(self), window_manager.progress_update)
+        except ValueError as error:
+            self.report({"ERROR"}, translated(of_error(error), rpt_))
+            return {"CANCELLED"}
+        finally:
+            window_manager.progress_end()
+        ob.turgor.refine.show_preview = False
+        if not found.splits:
+            self.report({"INFO"}, rpt_("No face is refined: nothing there asks for more, or the threshold is too high"))
+            return {"CANCELLED"}
+        for name in refining.loose_modifiers(ob.data):
+            text = rpt_("{modifier} was bound to the mesh as it was: bind it again")
+            self.report({"WARNING"}, text.format(modifier=name))
+        text = rpt_("{count:,} of {all:,} faces refined, {vertices:,} vertices now")
+        self.report({"INFO"}, text.format(count=found.face_count, all=before, vertices=found.vertex_count))
+        return {"FINISHED"}

@@ -1,0 +1,53 @@
+"""Refining in the modifier tab: where, how finely, and what comes of it."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_iface as iface_
+
+from .. import runtime
+from .volume import PARENT_PANEL, has_volume
+
+
+class TURGOR_PT_refine(bpy.types.Panel):
+    bl_label = "Refine"
+    bl_idname = "TURGOR_PT_refine"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "modifier"
+    bl_parent_id = PARENT_PANEL
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return has_volume(context.object)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        ob = context.object
+        saved = ob.turgor.refine
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop(saved, "threshold", slider=True)
+        layout.prop(saved, "use_automatic")
+        layout.prop(saved, "levels", text="Most Levels" if saved.use_automatic else "Levels")
+        layout.row().prop(saved, "method", expand=True)
+        layout.prop(saved, "show_preview")
+        _draw_counts(layout, ob)
+        layout.operator("object.turgor_refine", icon="MOD_SUBSURF")
+
+
+def _draw_counts(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
+    look = runtime.session.look_refined
+    region = None if look is None else look(ob)
+    if region is None:
+        return
+    column = layout.box().column(align=True)
+    lines = (
+        iface_("{count:,} of {all:,} faces").format(count=region.face_count, all=region.all_face_count),
+        iface_("{vertices:,} vertices afterwards").format(vertices=region.vertex_count),
+    )
+    for text in lines:
+        line = column.row()
+        line.alignment = "CENTER"
+        line.label(text=text, translate=False)
