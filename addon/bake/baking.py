@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import bpy
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..logic.bake_report import BakeReport
+from .computing import Computing
 from .options import Options
 from .skinned_rest import Posed
 from .spine_frames import SpineFrames
@@ -34,10 +36,21 @@ class Baking:
     source: VolumeFrames | SpineFrames
     options: Options
     report: BakeReport
-    chunks: list[NDArray[np.float32]] = field(default_factory=list)  # (S, N, 3) live positions, in order of the frames
-    poses: list[Posed | None] = field(default_factory=list)  # (F,) None without an Armature
+    live: Computing | None = None  # all of whose frames are sampled
     copy: bpy.types.Object | None = None  # carries the bake
     last: str | None = None  # its modifier that shows the live positions; None: its keys do
+
+    @property
+    def chunks(self) -> Iterator[NDArray[np.float32]]:
+        """(S, N, 3) live positions, in order of the frames, as they are done."""
+        assert self.live is not None
+        return self.live.chunks
+
+    @property
+    def poses(self) -> list[Posed | None]:
+        """(F,) None without an Armature."""
+        assert self.live is not None
+        return self.live.poses
 
     @property
     def size(self) -> float:

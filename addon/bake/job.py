@@ -3,31 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
-from typing import NamedTuple
 
 import bpy
 import numpy as np
-from numpy.typing import NDArray
 
 from ..logic import chunk_store, frame_range, whole_file
 from ..logic.bake_report import BakeReport
 from ..scene import baked_copy, spine_stack, stack
 from . import correctives, driven, point_caches, shape_key_frames, verification
 from .baking import FRAMES_DONE, Baking, Progress
+from .computing import POSITION_BYTES, Computing
 from .options import CORRECTIVE_METHODS, BakeError, Options
 from .spine_frames import SpineFrames
 from .volume_frames import VolumeFrames
 
-# Frames of one slice: so many, and so many bytes of positions.
-CHUNK_FRAMES, CHUNK_BYTES = 64, 1 << 23
-POSITION_BYTES = 12
-# Chunks that may be in memory at one time.
-CHUNKS_UNDER_WAY = 3
 METHOD_NAMES = {
     "ABSOLUTE": "absolute shape keys",
     "CORRECTIVE": "corrective shape keys, one per frame",
@@ -56,7 +49,7 @@ class Job:
             point_caches.check(options)
         if options.method in {"REDUCED", "DRIVEN"} and not options.tolerance > 0.0:
             raise BakeError("The error is 0: give the largest that may be seen")
-        positions = self._source.rest.positions
+        positions = self._source.rest_positions
         size = float(np.linalg.norm(np.ptp(positions.astype(np.float64), axis=0))) if len(positions) else 0.0
         if options.tolerance_is_relative:
             self._options = options = replace(options, tolerance=options.tolerance * size, tolerance_is_relative=False)
@@ -84,13 +77,8 @@ class Job:
     @property
     def chunk_count(self) -> int:
         """Chunks of all frames."""
-        return -(-len(self._options.frames) // self._chunk_frames)
-
-    @property
-    def _chunk_frames(self) -> int:
-        if self._options.chunk_frames > 0:
-            return self._options.chunk_frames
-        return min(CHUNK_FRAMES, max(CHUNK_BYTES // (POSITION_BYTES * max(self.report.vertex_count, 1)), 1))
+        with self._computing() as computing:
+            return computing.chunk_count
 
     @property
     def chunk_folder(self) -> Path | None:
@@ -103,27 +91,28 @@ class Job:
         started = perf_counter()
         options, baking = self._options, self._baking
         self._check_folder(2 * len(options.frames))
-        store = chunk_store.ChunkStore(self.chunk_folder)
-        with closing(self._compute(store, range(self.chunk_count))) as steps:
-            yield from steps
-        baking.report.resumed_chunks = store.found_count
-        try:
-            yield from _METHODS[options.method](baking)
-            if options.verify:
-                yield from verification.verify(baking)
-        except BaseException:
-            if baking.copy is not None:
-                baked_copy.discard(baking.copy)
-                baking.copy = None
-            raise
+        store = self._store()
+        with self._computing(store) as computing:
+            yield from self._sampled(computing, range(computing.chunk_count))
+            baking.live = computing
+            try:
+                yield from _METHODS[options.method](baking)
+                if options.verify:
+                    yield from verification.verify(baking)
+            except BaseException:
+                if baking.copy is not None:
+                    baked_copy.discard(baking.copy)
+                    baking.copy = None
+                raise
+        baking.report.resumed_chunks = 0 if store is None else store.found_count
         baking.report.seconds = perf_counter() - started
         if options.folder is not None:
             name = options.folder / f"{bpy.path.clean_name(self._target.name)}_{options.method.lower()}"
             for suffix, text in ((".json", baking.report.as_json()), (".txt", baking.report.as_text())):
                 with whole_file.written(name.with_suffix(suffix)) as file:
                     file.write(text.encode())
-        baking.chunks.clear()
-        store.clear()
+        if store is not None:
+            store.clear()
 
     def compute(self, numbers: range) -> Iterator[Progress]:
         """Only these chunks, for a `run` with the same options, in another process or on another machine.
@@ -132,16 +121,23 @@ class Job:
         """
         if self._options.folder is None:
             raise BakeError("Chunks need a folder: save the file first, or choose one")
-        self._check_folder(min(len(numbers) * self._chunk_frames, len(self._options.frames)))
-        with closing(self._compute(chunk_store.ChunkStore(self.chunk_folder), numbers)) as steps:
-            yield from (Progress(step.part / FRAMES_DONE, step.text) for step in steps)
+        with self._computing(self._store()) as computing:
+            self._check_folder(sum(len(computing.frames_of(number)) for number in numbers))
+            for step in self._sampled(computing, numbers):
+                yield Progress(step.part / FRAMES_DONE, step.text)
+            for _ in computing.chunks:
+                pass
 
     def verify(self, copy: bpy.types.Object) -> Iterator[Progress]:
         """Compares a copy that was baked earlier: errors go to the report. Raises what the engine raises."""
-        with closing(self._compute(chunk_store.ChunkStore(None), range(self.chunk_count))) as steps:
-            yield from steps
-        self._baking.copy, self._baking.last = copy, baked_copy.shown_by(copy)
-        yield from verification.verify(self._baking)
+        with self._computing() as computing:
+            yield from self._sampled(computing, range(computing.chunk_count))
+            self._baking.live = computing
+            self._baking.copy, self._baking.last = copy, baked_copy.shown_by(copy)
+            yield from verification.verify(self._baking)
+
+    def _store(self) -> chunk_store.ChunkStore | None:
+        return None if self.chunk_folder is None else chunk_store.ChunkStore(self.chunk_folder)
 
     def _check_folder(self, frame_count: int) -> None:
         if self._options.folder is not None:
@@ -154,40 +150,14 @@ class Job:
             return SpineFrames(target)
         raise BakeError(f"{target.name} has neither Turgor Volume nor Turgor Spine: there is nothing to bake")
 
-    def _compute(self, store: chunk_store.ChunkStore, numbers: range) -> Iterator[Progress]:
-        """The engine works on a chunk, and another is written, while Blender samples the next."""
-        frames, baking, count = self._options.frames, self._baking, self._chunk_frames
-        asked = max(sum(len(frames[number * count : (number + 1) * count]) for number in numbers), 1)
-        pending: list[Future[NDArray[np.float32]]] = []
-        with ThreadPoolExecutor(1, "turgor-bake") as engine, ThreadPoolExecutor(1, "turgor-write") as disk:
-            for number in numbers:
-                samples = self._source.sample(frames[number * count : (number + 1) * count])
-                baking.poses.extend(sample.posed for sample in samples)
-                if len(pending) >= CHUNKS_UNDER_WAY:
-                    pending[-CHUNKS_UNDER_WAY].result()
-                found = engine.submit(self._chunk, store, number, samples)
-                pending.append(disk.submit(_kept, store, number, found))
-                done = len(baking.poses)
+    def _computing(self, store: chunk_store.ChunkStore | None = None) -> Computing:
+        return Computing(self._source, self._options.frames, chunk_frames=self._options.chunk_frames, store=store)
+
+    def _sampled(self, computing: Computing, numbers: range) -> Iterator[Progress]:
+        asked = max(sum(len(computing.frames_of(number)) for number in numbers), 1)
+        with closing(computing.sample(numbers)) as steps:
+            for done in steps:
                 yield Progress(FRAMES_DONE * done / asked, f"{done} of {asked} frames")
-            baking.chunks.extend(future.result() for future in pending)
-
-    def _chunk(self, store: chunk_store.ChunkStore, number: int, samples: list) -> _Chunk:
-        name = self._source.fingerprint(samples) if self._options.folder is not None else ""
-        known = store.find(number, name, (len(samples), self._baking.report.vertex_count, 3))
-        return _Chunk(name, self._source.positions(samples) if known is None else known, known is not None)
-
-
-class _Chunk(NamedTuple):
-    """Positions, and whether they were found under their name."""
-
-    name: str
-    positions: NDArray[np.float32]
-    is_kept: bool
-
-
-def _kept(store: chunk_store.ChunkStore, number: int, found: Future[_Chunk]) -> NDArray[np.float32]:
-    name, positions, is_kept = found.result()
-    return positions if is_kept else store.put(number, name, positions)
 
 
 _METHODS = {

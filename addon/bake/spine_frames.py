@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import bpy
@@ -43,7 +43,12 @@ class SpineFrames:
         self.rest = rest.read_rest(target, self.end, self.bound_frame)
         self._skin = None if self._limb is None else skin_of(target, self._limb, self.rest)
 
-    def sample(self, frames: NDArray[np.float64]) -> list[Sample]:
+    @property
+    def rest_positions(self) -> NDArray[np.float32]:
+        """(N, 3) those of `rest`."""
+        return self.rest.positions
+
+    def samples(self, frames: NDArray[np.float64]) -> Iterator[Sample]:
         """Main thread only; the scene stays as it is."""
         target, saved = self._target, self._target.turgor_spine
         rig = saved.rig if saved.source == "BONES" else None
@@ -56,7 +61,8 @@ class SpineFrames:
             sources.append(drivers.Source("TRANSFORMS", "OBJECT", rig, ""))
         else:
             sources += drivers.curve_sources(saved.curve)
-        return [self._read(each) for each in pose_samples.evaluated_after(target, frames, rig, sources)]
+        for evaluated in pose_samples.evaluated_after(target, frames, rig, sources):
+            yield self._read(evaluated)
 
     def _read(self, evaluated: bpy.types.Object) -> Sample:
         shape = spine_frame.read_shape(evaluated, self._bound)

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from itertools import groupby
 from typing import NamedTuple
 
 import bpy
 import numpy as np
+import turgor
 from numpy.typing import NDArray
 
 from .. import runtime
 from ..live import frame as live_frame
-from ..logic import fingerprint
+from ..logic import fingerprint, range_of_motion
 from ..scene import modifier_inputs, node_group, pose_samples, rest, settings, stack
 from .options import BakeError
 from .skinned_rest import Posed
@@ -23,7 +25,6 @@ class Sample(NamedTuple):
 
     posed: Posed
     request: live_frame.Request
-    saved: settings.BodySettings
     effect: float  # Strength of the modifier
 
 
@@ -43,8 +44,18 @@ class VolumeFrames:
         self._bound = known.body
         self.end = armature
         self.own = ours
-        self.rest = rest.read_rest(target, armature, target.turgor.bound_frame)
         self.bound_frame = target.turgor.bound_frame
+        self._last_test: tuple[turgor.VolumeSkin, NDArray[np.float32]] | None = None
+
+    @cached_property
+    def rest(self) -> rest.RestMesh:
+        """Read when it is first asked for: most bakes do without."""
+        return rest.read_rest(self._target, self.end, self.bound_frame)
+
+    @property
+    def rest_positions(self) -> NDArray[np.float32]:
+        """(N, 3) those of `rest`."""
+        return self._bound.body.flesh.anatomy.rest_positions
 
     @property
     def is_fleshed(self) -> bool:
@@ -64,28 +75,52 @@ class VolumeFrames:
         place = self._bound.placement
         return self._bound.body.current_engine.deform_many(poses, object_from_armature=place), place
 
-    def sample(self, frames: NDArray[np.float64]) -> list[Sample]:
+    def samples(self, frames: NDArray[np.float64]) -> Iterator[Sample]:
         """Main thread only; the scene stays as it is."""
-        return [self._read(evaluated) for evaluated in pose_samples.evaluated_apart(self._target, frames)]
+        alike = None
+        may_move = settings.may_move(self._target)
+        for evaluated in pose_samples.evaluated_apart(self._target, frames):
+            sample = self._read(evaluated, alike)
+            yield sample
+            alike = None if may_move else sample.request
 
-    def _read(self, evaluated: bpy.types.Object) -> Sample:
-        strength = float(modifier_inputs.read_input(stack.volume_modifier(evaluated), node_group.STRENGTH))
-        request = live_frame.read(evaluated, self._bound)
+    def _read(self, evaluated: bpy.types.Object, alike: live_frame.Request | None) -> Sample:
+        modifiers = evaluated.modifiers
+        strength = float(modifier_inputs.read_input(modifiers[self.own.name], node_group.STRENGTH))
+        if alike is None:
+            request = live_frame.read(evaluated, self._bound)
+        else:
+            request = live_frame.read_alike(evaluated, modifiers[self.end.name].object, self._bound, alike)
         asked = request.options
         shape_values = asked.get("shape_values", np.zeros(0, np.float32))
         posed = Posed(request.pose_matrices, asked["object_from_armature"], shape_values)
-        return Sample(posed, request, settings.read_settings(evaluated), strength)
+        return Sample(posed, request, strength)
 
     def fingerprint(self, samples: Sequence[Sample]) -> str:
-        """Of all that positions are computed from; the first of them stands for what is bound, and for the engine."""
-        arrays: list[object] = [self.positions(samples[:1])]
+        """Of all that positions are computed from; what is bound, and the engine, by what becomes of a test pose."""
+        arrays: list[object] = []
         words: list[object] = [self._bound.content]
+        before = None
         for sample in samples:
-            arrays += [sample.request.pose_matrices, *map(np.asarray, sample.request.options.values())]
-            for value in _flat(sample.saved):
-                (arrays if isinstance(value, np.ndarray) else words).append(value)
+            request = sample.request
+            if before is None or request.engine is not before.engine:
+                arrays.append(self._tested(request.engine))
+            if before is None or request.saved is not before.saved:
+                for value in _flat(request.saved):
+                    (arrays if isinstance(value, np.ndarray) else words).append(value)
+            before = request
+            arrays += [request.pose_matrices, *request.options.values()]
             words.append(sample.effect)
         return fingerprint.fingerprint(arrays, *words)
+
+    def _tested(self, engine: turgor.VolumeSkin) -> NDArray[np.float32]:
+        """(1, N, 3) with all joints bent; worked out once per engine."""
+        if self._last_test is None or self._last_test[0] is not engine:
+            bones = self._bound.bones
+            joints = self.joint_bones
+            poses = range_of_motion.poses(bones.parents.tolist(), bones.rest_matrices, joints, 1)[:1]
+            self._last_test = engine, engine.deform_many(poses, object_from_armature=self._bound.placement)
+        return self._last_test[1]
 
     def positions(self, samples: Sequence[Sample]) -> NDArray[np.float32]:
         """(F, N, 3) after Turgor Volume, object space. Safe on a worker thread."""
@@ -93,7 +128,7 @@ class VolumeFrames:
         for (_, is_fleshed), group in groupby(samples, key=_kind):
             of_group = list(group)
             parts.append(_one_by_one(of_group) if is_fleshed else _many(of_group))
-        return np.concatenate(parts)
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def _flat(value: object) -> Iterator[object]:

@@ -46,12 +46,27 @@ class Request(NamedTuple):
     pose_matrices: NDArray[np.float32]  # (B, 4, 4)
     options: dict[str, Any]  # more arguments of `VolumeSkin.deform`
     strengths: NDArray[np.float64]  # (J,) of the joints
+    saved: settings.BodySettings
 
 
 def read(target: bpy.types.Object, bound: Bound) -> Request:
     """Of the evaluated `target`. Raises what says why it cannot be read."""
     inputs = frame.read_frame(target)
     saved = settings.read_settings(target)
+    pose_matrices, options = _asked(target, bound, inputs, saved)
+    engine = engine_of(target, saved, bound)
+    return Request(engine, pose_matrices, options, bound.body.joint_strengths, saved)
+
+
+def read_alike(target: bpy.types.Object, rig: bpy.types.Object, bound: Bound, other: Request) -> Request:
+    """The same, both evaluated, where settings are those of another frame: they are not read again."""
+    pose_matrices, options = _asked(target, bound, frame.read_inputs(target, rig), other.saved)
+    return Request(other.engine, pose_matrices, options, other.strengths, other.saved)
+
+
+def _asked(
+    target: bpy.types.Object, bound: Bound, inputs: frame.FrameInputs, saved: settings.BodySettings
+) -> tuple[NDArray[np.float32], dict[str, Any]]:
     try:
         pose_matrices = inputs.pose_matrices[bound.bones.pose_indices]
     except IndexError:
@@ -61,8 +76,7 @@ def read(target: bpy.types.Object, bound: Bound) -> Request:
         options["shape_values"] = inputs.shape_values
     if bound.fleshed is not None and (added := spine_frame.added_offsets(target, bound.body.vertex_count)) is not None:
         options |= {"added_offsets": added, "fleshed": bound.fleshed}
-    engine = engine_of(target, saved, bound)
-    return Request(engine, pose_matrices, options, bound.body.joint_strengths)
+    return pose_matrices, options
 
 
 def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, address: int) -> None:

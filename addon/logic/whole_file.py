@@ -17,8 +17,10 @@ class WriteError(OSError):
 
 
 @contextmanager
-def written(path: Path) -> Iterator[BinaryIO]:
-    """A file for `path`, which is there, complete and on the disk, once the block has ended well, and unchanged else.
+def written(path: Path, *, is_kept: bool = True) -> Iterator[BinaryIO]:
+    """A file for `path`, which is there and complete once the block has ended well, and unchanged else.
+
+    is_kept: it is on the disk by then, else only as soon as the system likes: after a power cut it may be torn.
 
     Raises WriteError. What a killed process leaves ends in `UNFINISHED` and its process id.
     """
@@ -29,7 +31,8 @@ def written(path: Path) -> Iterator[BinaryIO]:
             with partial.open("wb") as file:
                 yield file
                 file.flush()
-                os.fsync(file.fileno())
+                if is_kept:
+                    os.fsync(file.fileno())
             partial.replace(path)
         finally:
             with suppress(OSError):
@@ -42,7 +45,7 @@ def written(path: Path) -> Iterator[BinaryIO]:
 
 def check_folder(folder: Path, byte_count: int = 0) -> None:
     """Raises WriteError where nothing can be written, or not so much."""
-    with written(folder / f".turgor-{os.getpid()}") as probe:
+    with written(folder / f".turgor-{os.getpid()}", is_kept=False) as probe:
         probe.write(b"0")
     (folder / f".turgor-{os.getpid()}").unlink(missing_ok=True)
     free = _free_bytes(folder)

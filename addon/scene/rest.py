@@ -79,6 +79,12 @@ def read_positions(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
     return positions
 
 
+def write_positions(mesh: bpy.types.Mesh, positions: NDArray[np.floating]) -> None:
+    """positions: (N, 3) object space."""
+    if len(positions):
+        mesh.attributes["position"].data.foreach_set("vector", np.ascontiguousarray(positions, np.float32).ravel())
+
+
 @contextmanager
 def apart(
     ob: bpy.types.Object, end: bpy.types.Modifier | None, frame: int, mesh: bpy.types.Mesh

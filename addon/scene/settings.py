@@ -77,6 +77,15 @@ def read_settings(target: bpy.types.Object) -> BodySettings:
     return BodySettings(arrays, seconds, saved.solver, saved.keep_bone_scale, saved.target_volume)
 
 
+def may_move(target: bpy.types.Object) -> bool:
+    """Whether keyframes or drivers of the object may change them from frame to frame."""
+    animation = target.animation_data
+    if animation is None:
+        return False
+    has_keys = animation.action is not None or len(animation.nla_tracks) > 0
+    return has_keys or any(curve.data_path.startswith("turgor.") for curve in animation.drivers)
+
+
 def _read_second(profiles: bpy.types.PropertyGroup) -> SecondSet:
     return SecondSet(profiles.preset, profiles.curve_source, profiles.use_auto_shares, tuple(profiles.shares))
 

@@ -39,7 +39,9 @@ def _row(runner: Runner, body: bpy.types.Object, turn_count: int, folder: str) -
     problem = turn_on(body)
     if problem is not None:
         raise SystemExit(f"{runner.name}: {problem}")
-    frames = 1.0 + np.arange(float(FRAME_COUNT))
+    # Within what is animated: on every frame all bones move.
+    scene = bpy.context.scene
+    frames = np.linspace(scene.frame_start, scene.frame_end, FRAME_COUNT)
     works = (
         lambda: _step(body, frames),
         lambda: _frames(body, frames),
@@ -62,14 +64,17 @@ def _timed(work: Callable[[], object]) -> float:
 def _step(body: bpy.types.Object, frames: np.ndarray) -> np.ndarray:
     positions = np.empty((len(frames), len(body.data.vertices), 3), np.float32)
     for frame, row in zip(frames, positions, strict=True):
-        bpy.context.scene.frame_set(int(frame))
+        bpy.context.scene.frame_set(int(frame), subframe=frame % 1.0)
         evaluated(body).data.attributes["position"].data.foreach_get("vector", row.ravel())
     return positions
 
 
-def _frames(body: bpy.types.Object, frames: np.ndarray) -> np.ndarray:
+def _frames(body: bpy.types.Object, frames: np.ndarray) -> list[np.ndarray]:
     source = extension_module("bake.volume_frames").VolumeFrames(body)
-    return source.positions(source.sample(frames))
+    with extension_module("bake.computing").Computing(source, frames) as computing:
+        for _ in computing.sample(range(computing.chunk_count)):
+            pass
+        return list(computing.chunks)
 
 
 def _bake(body: bpy.types.Object, frames: np.ndarray, method: str, folder: str) -> None:

@@ -195,6 +195,27 @@ def test_keyed_strength_settings_and_object_motion_are_baked(bake):
         assert world == ob.evaluated_get(bpy.context.evaluated_depsgraph_get()).matrix_world
 
 
+@pytest.mark.parametrize("by", ["driver", "strip"])
+def test_settings_that_move_without_an_action_are_baked(bake, by: str):
+    ob, armature = character()
+    add_turgor(ob)
+    if by == "driver":
+        driver = ob.driver_add("turgor.target_volume").driver
+        variable = driver.variables.new()
+        variable.targets[0].id, variable.targets[0].data_path = armature, 'pose.bones["Bone1"].rotation_euler[0]'
+        driver.expression = f"1 + 0.2 * {variable.name}"
+    else:
+        for frame, value in ((1, 1.0), (LAST_FRAME, 1.3)):
+            ob.turgor.target_volume = value
+            ob.turgor.keyframe_insert("target_volume", frame=frame)
+        animation = ob.animation_data
+        action, slot = animation.action, animation.action_slot
+        animation.action = None
+        animation.nla_tracks.new().strips.new("Swell", 1, action).action_slot = slot
+    baked, _ = bake(ob, "ABSOLUTE", FRAMES[::3])
+    assert worst(ob, baked, FRAMES[::3]) <= EXACT_TOLERANCE
+
+
 @pytest.mark.parametrize("method", EXACT)
 def test_flesh_along_bones_and_skin_together(bake, method: str):
     ob, armature = character()

@@ -124,9 +124,16 @@ def test_chunks_are_found_by_what_they_were_made_from(tmp_path: Path):
     assert not (tmp_path / "chunks").exists()
 
 
-def test_a_broken_chunk_is_computed_anew(tmp_path: Path):
+def test_a_torn_chunk_is_computed_anew(tmp_path: Path):
+    """A power cut may leave a file of the right name and length with pages that were never written."""
     store = ChunkStore(tmp_path)
     store.put(3, "aa", SAMPLES)
     path = next(tmp_path.iterdir())
-    path.write_bytes(path.read_bytes()[:200])
-    assert store.find(3, "aa", SAMPLES.shape) is None
+    whole = path.read_bytes()
+    torn = [whole[:size] for size in (0, 3, 100, 200, len(whole) - 1)]
+    torn += [whole[:at] + bytes(8) + whole[at + 8 :] for at in (0, 128, 300, len(whole) - 8)]
+    for content in torn:
+        path.write_bytes(content)
+        assert store.find(3, "aa", SAMPLES.shape) is None
+    path.write_bytes(whole)
+    assert np.array_equal(store.find(3, "aa", SAMPLES.shape), SAMPLES)
