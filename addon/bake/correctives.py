@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..logic import inverse_skinning, reduction
+from ..logic import inverse_skinning, joint_regions, local_reduction, reduction
 from ..scene import baked_copy, shape_key_writing
 from .baking import Baking, Progress
 from .options import BakeError
@@ -81,16 +82,55 @@ def reduced(baking: Baking) -> Iterator[Progress]:
     least = 2.0 * ROUNDING_RELATIVE * baking.size
     if options.tolerance < least:
         raise BakeError(f"The error asked for is below what numbers in Blender hold: give at least {least:.1e}")
-    found = reduction.reduce(deltas.chunks, options.tolerance - 0.5 * least, deltas.growth)
-    if options.unit_values:
-        found = reduction.within_unit(found)
+    tolerance = options.tolerance - 0.5 * least
+    if options.local_keys:
+        made = yield from _by_joint(baking, deltas, tolerance)
+    else:
+        made = _whole(baking, deltas, tolerance)
     make_copy(baking, deltas.skin)
     columns = own_columns(baking)
-    for number, (key, values) in enumerate(zip(found.keys, found.values.T, strict=True)):
+    for number, (name, key, values) in enumerate(made):
         low = 0.0 if values.min() >= 0.0 else -1.0
-        columns[add(baking, f"Turgor {number + 1}", key, low, 1.0)] = (options.frames, values)
-        yield baking.making(0.8 + 0.2 * number / len(found.keys), f"{number + 1} of {len(found.keys)} keys")
-    finish(baking, len(found.keys), columns)
+        columns[add(baking, name, key, low, 1.0)] = (options.frames, values)
+        yield baking.making(0.8 + 0.2 * number / len(made), f"{number + 1} of {len(made)} keys")
+    finish(baking, len(made), columns)
+
+
+class Made(NamedTuple):
+    """A key and its value on each frame."""
+
+    name: str
+    key: NDArray[np.float32]  # (N, 3)
+    values: NDArray[np.float64]  # (F,)
+
+
+def _whole(baking: Baking, deltas: Deltas, tolerance: float) -> list[Made]:
+    """Keys of the whole mesh."""
+    found = reduction.reduce(deltas.chunks, tolerance, deltas.growth)
+    if baking.options.unit_values:
+        found = reduction.within_unit(found)
+    pairs = zip(found.keys, found.values.T, strict=True)
+    return [Made(f"Turgor {number + 1}", *pair) for number, pair in enumerate(pairs)]
+
+
+def _by_joint(baking: Baking, deltas: Deltas, tolerance: float) -> Generator[Progress, None, list[Made]]:
+    """Keys of the skin around one joint each, named after the bone at whose head it is."""
+    bones, rest, first = deltas.skin.bones, baking.source.rest.positions, baking.poses[0]
+    assert first is not None
+    place = first.object_from_armature
+    heads = bones.rest_matrices[:, :3, 3] @ place[:3, :3].T + place[:3, 3]
+    around = joint_regions.regions(rest, deltas.skin.weights, bones.parents, heads)
+    made: list[Made] = []
+    parts = local_reduction.reduce(deltas.chunks, around, tolerance, deltas.growth)
+    for number, found in enumerate(parts):
+        shown = local_reduction.within_unit(found) if baking.options.unit_values else found
+        name = baking.target.name if found.region.bone < 0 else bones.names[found.region.bone]
+        for rank, (part, values) in enumerate(zip(shown.keys, shown.values.T, strict=True)):
+            key = np.zeros_like(rest)
+            key[found.region.vertices] = part
+            made.append(Made(f"{name} {rank + 1}", key, values))
+        yield baking.making(0.6 + 0.2 * number / len(around), f"Keys of {number + 1} of {len(around)} joints")
+    return made
 
 
 def make_copy(baking: Baking, skin: PosedSkin) -> None:

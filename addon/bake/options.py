@@ -28,6 +28,8 @@ class Options:
     tolerance_is_relative: bool = False
     # Key values from 0 to 1 only, as some engines clamp them.
     unit_values: bool = False
+    # Reduced keys that move the skin around one joint each.
+    local_keys: bool = False
     # The skinning that will play corrective keys: this many influences of each vertex, 0 for all, and blended linearly.
     influences: int = 0
     use_linear: bool = False

@@ -42,6 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--method", choices=METHODS, default="absolute", help="what keeps the result (default: %(default)s)")
     add("--error", type=float, default=0.1, metavar="PERCENT", help=f"largest of reduced and driven keys, {OF_SIZE}")
     add("--unit-values", action="store_true", help="reduced keys with values from 0 to 1 only")
+    add("--local", action="store_true", help="reduced keys that move the skin around one joint each")
     add("--most-keys", type=int, default=64, metavar="N", help="driven keys at most (default: %(default)s)")
     add("--influences", type=int, default=0, metavar="N", help="bones per vertex where corrective keys go; 0: all")
     add("--linear", action="store_true", help="where corrective keys go, bones are blended linearly")
@@ -105,6 +106,7 @@ def options_of(arguments: argparse.Namespace, ob: bpy.types.Object, frames: np.n
         tolerance=0.01 * arguments.error,
         tolerance_is_relative=True,
         unit_values=arguments.unit_values,
+        local_keys=arguments.local,
         influences=arguments.influences,
         use_linear=arguments.linear,
         most_keys=arguments.most_keys,

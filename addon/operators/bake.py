@@ -188,6 +188,7 @@ def options_of(target: bpy.types.Object, scene: bpy.types.Scene) -> options.Opti
         tolerance=0.01 * saved.error_percent if saved.unit == "PERCENT" else _in_object(target, saved.error_length),
         tolerance_is_relative=saved.unit == "PERCENT",
         unit_values=saved.unit_values,
+        local_keys=saved.local_keys,
         influences=saved.influences,
         use_linear=saved.use_linear,
         most_keys=saved.most_keys,

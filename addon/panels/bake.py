@@ -74,6 +74,7 @@ def draw_bake(layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy.ty
         column.prop(saved, "error_percent" if saved.unit == "PERCENT" else "error_length")
         column.prop(saved, "unit", text="In")
     if saved.method == "REDUCED":
+        column.prop(saved, "local_keys")
         column.prop(saved, "unit_values")
     if saved.method == "DRIVEN":
         column.prop(saved, "most_keys")

@@ -59,7 +59,15 @@ class TurgorBake(bpy.types.PropertyGroup):
     )
     unit_values: BoolProperty(
         name="Values 0 to 1",
-        description="No negative values, for engines that clamp them: one more key, which is always on",
+        description="No negative values, for engines that clamp them: one more key, which is always on, or keys for"
+        " both directions where they are local to joints",
+        override=OVERRIDABLE,
+        options=set(),
+    )
+    local_keys: BoolProperty(
+        name="Local to Joints",
+        description="Every key moves the skin around one joint only and is named after its bone, so that it can be"
+        " sculpted on; takes more keys",
         override=OVERRIDABLE,
         options=set(),
     )

@@ -725,8 +725,16 @@ TEXTS: dict[str, str] = {
         "Wie weit ein Punkt in irgendeinem Bild vom lebenden Netz entfernt sein darf"
     ),
     "Values 0 to 1": "Werte 0 bis 1",
-    "No negative values, for engines that clamp them: one more key, which is always on": (
-        "Keine negativen Werte, für Engines, die sie abschneiden: ein Schlüssel mehr, der immer an ist"
+    "No negative values, for engines that clamp them: one more key, which is always on, or keys for both directions"
+    " where they are local to joints": (
+        "Keine negativen Werte, für Engines, die sie abschneiden: ein Schlüssel mehr, der immer an ist, oder, wo sie zu"
+        " je einem Gelenk gehören, Schlüssel für beide Richtungen"
+    ),
+    "Local to Joints": "Je Gelenk",
+    "Every key moves the skin around one joint only and is named after its bone, so that it can be sculpted on; takes"
+    " more keys": (
+        "Jeder Schlüssel bewegt nur die Haut um ein Gelenk und heißt nach dessen Knochen, sodass man ihn"
+        " nachmodellieren kann; braucht mehr Schlüssel"
     ),
     "Most Keys": "Höchstens Schlüssel",
     "Pose correctives to have at most": "So viele Korrekturen aus der Pose höchstens",
