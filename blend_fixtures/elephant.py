@@ -48,9 +48,9 @@ NECK_SEGMENT = 7
 TRUNK_SEGMENT = 11
 
 
-def build() -> Character:
-    """The walking animal, ready to render."""
-    surface = body_surface()
+def build(levels: int = 2) -> Character:
+    """The walking animal, ready to render. levels: of its body's subdivision."""
+    surface = body_surface(levels)
     for side in (1, -1):
         tusk = horn([(0.20, -1.80, 1.66), (0.25, -2.02, 1.46), (0.27, -2.30, 1.42)], [0.055, 0.05, 0.02], "tusk")
         eye = ball((0.352, -1.66, 2.03), 0.05, "eye", levels=2)
@@ -73,7 +73,7 @@ def build() -> Character:
     return character
 
 
-def body_surface() -> Surface:
+def body_surface(levels: int = 2) -> Surface:
     """The body without its eyes: one closed shell."""
     cage = Cage()
     loft = Loft(cage, STATIONS, _part_of)
@@ -85,7 +85,7 @@ def body_surface() -> Surface:
         _add_leg(cage, loft, HIND_SEGMENTS, "leg_back", -0.72, side)
         _add_leg(cage, loft, FRONT_SEGMENTS, "leg_front", 0.68, side)
         _add_ear(cage, loft, side)
-    return cage.surface(levels=2)
+    return cage.surface(levels)
 
 
 def _part_of(segment: int) -> str:

@@ -1,7 +1,7 @@
 """Faces split once, those beside them joined to the new vertices: no cracks, and four corners wherever it can be.
 
 A chosen face of n corners becomes n quads about its centre. A triangle or quad beside it is cut to the new centres of
-its edges, a face of more corners gets them as corners.
+its edges; larger faces beside it are chosen too.
 """
 
 from __future__ import annotations
@@ -104,12 +104,6 @@ def split(faces: Faces, is_chosen: NDArray[np.bool_], points: NDArray[np.integer
                 # Opposite edges look the same from both.
                 if corners == count and not (sum(pattern) == 2 and pattern[2 % count] and turn > 1):
                     pieces.add(of_count[(turned == pattern).all(axis=1)], turn, polygons)
-    for face in np.flatnonzero(is_beside & (counts > 4)).tolist():
-        start, count = int(faces.offsets[face]), int(counts[face])
-        tokens: list[_Token] = []
-        for i in range(count):
-            tokens += [(CORNER, i), (EDGE, i)] if is_split[start + i] else [(CORNER, i)]
-        pieces.add(np.array([face]), 0, (tuple(tokens),))
     return _joined(faces, is_chosen, is_split, own, pieces, len(points))
 
 

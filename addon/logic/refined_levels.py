@@ -42,8 +42,9 @@ def wanted_levels(
 def balanced(faces: Faces, levels: NDArray[np.integer], points: NDArray[np.integer]) -> NDArray[np.int32]:
     """(F,) at least `levels`, and no more than it takes: less asked for is nowhere more.
 
-    Neighbours at a vertex differ by one at most, and no triangle or quad is left alone among faces that split nearly
-    all of its edges. points: (N,) the vertex that stands for each one.
+    Neighbours at a vertex differ by one at most. No triangle or quad is left alone among faces that split nearly all of
+    its edges, and no larger face beside any that is split: it would only get more corners, uneven where smooth.
+    points: (N,) the vertex that stands for each one.
     """
     found = np.array(levels, np.int32)
     if not found.any():
@@ -58,7 +59,7 @@ def balanced(faces: Faces, levels: NDArray[np.integer], points: NDArray[np.integ
         is_split = np.zeros(len(edges.ends), bool)
         is_split[edges.of_corners[found[faces.of_corners] > 0]] = True
         split_edges = np.add.reduceat(is_split[edges.of_corners].astype(np.int32), faces.offsets[:-1])
-        is_surrounded = ((counts == 3) | (counts == 4)) & (split_edges >= 3)
+        is_surrounded = split_edges >= np.where(counts > 4, 1, 3)
         found = np.maximum(found, is_surrounded.astype(np.int32))
         if np.array_equal(found, before):
             return found
