@@ -2,7 +2,8 @@
 //!
 //! Single precision is enough: what a field adds is measured in double precision on the moved points afterwards.
 
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch, f32x4, f32x8};
 
 use crate::correction::{Field, FieldFrame};
 use crate::patches::{LANES, PATCH_POINTS};
@@ -66,20 +67,90 @@ pub(crate) fn bell_heights(weights: &[f32], places: Rows, frame: &FieldFrame, he
 }
 
 #[inline(always)]
-fn bell_heights_by_lanes<S: Simd>(_: S, weights: &[f32], places: Rows, frame: &FieldFrame, heights: &mut [f32]) {
-    let count = weights.len();
-    let [x, y, z] = places.map(|row| &row[..count]);
-    let heights = &mut heights[..count];
-    let [a, b, c] = frame.origin.as_vec3().to_array();
-    let narrowness = (frame.inverse_length * frame.inverse_length / (BELL_WIDTH * BELL_WIDTH * BELL_END)) as f32;
-    for i in 0..count {
-        let (u, v, w) = (x[i] - a, y[i] - b, z[i] - c);
-        let base = 1.0 - (u * u + v * v + w * w) * narrowness;
-        let base = if base > 0.0 { base } else { 0.0 };
+fn bell_heights_by_lanes<S: Simd>(simd: S, weights: &[f32], places: Rows, frame: &FieldFrame, heights: &mut [f32]) {
+    let bell = Bell::new(simd, places, frame);
+    for (number, (weights, heights)) in weights.as_chunks().0.iter().zip(heights.as_chunks_mut().0).enumerate() {
+        *heights = bell.times(simd, weights, number).into();
+    }
+}
+
+/// A joint's bell over the points of one patch, eight at a time.
+struct Bell<'a, S: Simd> {
+    places: [&'a [[f32; LANES]]; 3],
+    origin: [f32x8<S>; 3],
+    narrowness: f32,
+}
+
+impl<'a, S: Simd> Bell<'a, S> {
+    #[inline(always)]
+    fn new(simd: S, [x, y, z]: Rows<'a>, frame: &FieldFrame) -> Self {
+        let [a, b, c] = frame.origin.as_vec3().to_array();
+        Self {
+            places: [x.as_chunks().0, y.as_chunks().0, z.as_chunks().0],
+            origin: [f32x8::splat(simd, a), f32x8::splat(simd, b), f32x8::splat(simd, c)],
+            narrowness: (frame.inverse_length * frame.inverse_length / (BELL_WIDTH * BELL_WIDTH * BELL_END)) as f32,
+        }
+    }
+
+    /// Weights times the heights at the points of a chunk.
+    #[inline(always)]
+    fn times(&self, simd: S, weights: &[f32; LANES], number: usize) -> f32x8<S> {
+        let u = f32x8::simd_from(simd, self.places[0][number]) - self.origin[0];
+        let v = f32x8::simd_from(simd, self.places[1][number]) - self.origin[1];
+        let w = f32x8::simd_from(simd, self.places[2][number]) - self.origin[2];
+        let (none, all) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+        let base = all - (u * u + v * v + w * w) * self.narrowness;
+        let base = base.simd_gt(none).select(base, none);
         let square = base * base;
         let fourth = square * square;
-        heights[i] = weights[i] * (fourth * fourth);
+        f32x8::simd_from(simd, *weights) * (fourth * fourth)
     }
+}
+
+/// Weights times the joint's bell at each place; Σ w·v and the largest w·l of the weights, and of the heights.
+pub(crate) fn bell_sums(
+    weights: &[f32],
+    places: Rows,
+    frame: &FieldFrame,
+    volumes: &Row,
+    lengths: &Row,
+    heights: &mut [f32],
+) -> [(f64, f64); 2] {
+    dispatch!(Level::new(), simd => bell_sums_by_lanes(simd, weights, places, frame, volumes, lengths, heights))
+}
+
+#[inline(always)]
+fn bell_sums_by_lanes<S: Simd>(
+    simd: S,
+    weights: &[f32],
+    places: Rows,
+    frame: &FieldFrame,
+    volumes: &Row,
+    lengths: &Row,
+    heights: &mut [f32],
+) -> [(f64, f64); 2] {
+    let bell = Bell::new(simd, places, frame);
+    let (volumes, lengths) = (volumes.as_chunks::<LANES>().0, lengths.as_chunks::<LANES>().0);
+    let none = f32x8::splat(simd, 0.0);
+    let (mut sum, mut most) = (none, none);
+    let (mut bell_sum, mut bell_most) = (none, none);
+    for (number, (weights, heights)) in weights.as_chunks().0.iter().zip(heights.as_chunks_mut().0).enumerate() {
+        let (volume, length) = (f32x8::simd_from(simd, volumes[number]), f32x8::simd_from(simd, lengths[number]));
+        let all = f32x8::simd_from(simd, *weights);
+        let round = bell.times(simd, weights, number);
+        *heights = round.into();
+        sum += all * volume;
+        bell_sum += round * volume;
+        most = larger(all * length, most);
+        bell_most = larger(round * length, bell_most);
+    }
+    [(sum_of(sum.into()), largest(most.into())), (sum_of(bell_sum.into()), largest(bell_most.into()))]
+}
+
+/// The first where it is larger: numbers win over what is none.
+#[inline(always)]
+fn larger<S: Simd>(a: f32x8<S>, b: f32x8<S>) -> f32x8<S> {
+    a.simd_gt(b).select(a, b)
 }
 
 /// Σ w·v and the largest w·l.
@@ -98,7 +169,7 @@ fn sum_and_most_by_lanes<S: Simd>(_: S, weights: &[f32], volumes: &Row, lengths:
             most[i] = if moved > most[i] { moved } else { most[i] };
         }
     }
-    (sum(sums), largest(most))
+    (sum_of(sums), largest(most))
 }
 
 /// Σ w·(g·e)(d·e) and the largest w·|d·e|.
@@ -120,16 +191,25 @@ fn sum_and_most_along_by_lanes<S: Simd>(_: S, weights: &[f32], gradient: Rows, d
             most[i] = if moved > most[i] { moved } else { most[i] };
         }
     }
-    (sum(sums), largest(most))
+    (sum_of(sums), largest(most))
 }
 
-/// How one point moves.
+/// How one point moves, (x, y, z, 0): on one cache line, since sweeps and vertices pick points one by one.
 #[derive(Debug, Clone, Copy, Default)]
+#[repr(C, align(32))]
 pub(crate) struct Move {
     /// By the fields.
-    pub by: [f32; 3],
+    pub by: [f32; 4],
     /// By a unit of the residual's field.
-    pub residual: [f32; 3],
+    pub residual: [f32; 4],
+}
+
+impl Move {
+    /// `by`, then `residual`.
+    #[inline(always)]
+    pub fn lanes<S: Simd>(&self, simd: S) -> f32x8<S> {
+        f32x4::simd_from(simd, self.by).combine(f32x4::simd_from(simd, self.residual))
+    }
 }
 
 /// Rows of one patch that every sum of fields needs.
@@ -203,7 +283,7 @@ impl FieldSum {
         let [dx, dy, dz] = directions.each_ref().map(|row| &row[..moves.len()]);
         let (by, residual_by) = (&self.by_gradient[..moves.len()], &self.residual_by_gradient[..moves.len()]);
         for (i, old) in moves.iter_mut().enumerate() {
-            let along = |factor: f32| [dx[i] * factor, dy[i] * factor, dz[i] * factor];
+            let along = |factor: f32| [dx[i] * factor, dy[i] * factor, dz[i] * factor, 0.0];
             let mut new = Move { by: along(by[i]), residual: along(residual_by[i]) };
             if self.is_shaped {
                 for axis in 0..3 {
@@ -269,7 +349,7 @@ fn add_along_axes_by_lanes<S: Simd>(
 }
 
 #[inline(always)]
-fn sum(lanes: [f32; LANES]) -> f64 {
+fn sum_of(lanes: [f32; LANES]) -> f64 {
     let [a, b, c, d, e, f, g, h] = lanes.map(f64::from);
     ((a + b) + (c + d)) + ((e + f) + (g + h))
 }

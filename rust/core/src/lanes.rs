@@ -3,7 +3,7 @@
 use std::ops::{Add, Sub};
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f64x2, f64x4};
+use fearless_simd::{Simd, f64x4};
 use glam::DVec3;
 
 use crate::skinning::Columns;
@@ -72,6 +72,8 @@ pub(crate) fn transform(m: &Columns, p: V4) -> V4 {
 }
 
 /// Four vectors side by side: one to a lane.
+///
+/// Not through `map` or iterators over arrays of these: they are not compiled for the instruction set of the caller.
 #[derive(Clone, Copy)]
 pub(crate) struct Four<S: Simd> {
     x: f64x4<S>,
@@ -80,32 +82,62 @@ pub(crate) struct Four<S: Simd> {
 }
 
 impl<S: Simd> Four<S> {
+    /// The same number everywhere.
+    #[inline(always)]
+    pub fn splat(simd: S, value: f64) -> Self {
+        let lane = f64x4::splat(simd, value);
+        Self { x: lane, y: lane, z: lane }
+    }
+
+    /// From coordinates of points that follow one another.
+    #[inline(always)]
+    pub fn of_coordinates(simd: S, [x, y, z]: [&[f64; 4]; 3]) -> Self {
+        Self { x: f64x4::simd_from(simd, *x), y: f64x4::simd_from(simd, *y), z: f64x4::simd_from(simd, *z) }
+    }
+
+    #[inline(always)]
+    pub fn of_lanes([x, y, z]: [f64x4<S>; 3]) -> Self {
+        Self { x, y, z }
+    }
+
+    #[inline(always)]
+    pub fn of_rows(simd: S, [a, b, c, d]: [&V4; 4]) -> Self {
+        let (a, b) = (f64x4::simd_from(simd, *a), f64x4::simd_from(simd, *b));
+        let (c, d) = (f64x4::simd_from(simd, *c), f64x4::simd_from(simd, *d));
+        let ((x_ab, y_ab), (x_cd, y_cd)) = (a.zip_low(b).split(), c.zip_low(d).split());
+        let (z_ab, z_cd) = (a.zip_high(b).split().0, c.zip_high(d).split().0);
+        Self { x: x_ab.combine(x_cd), y: y_ab.combine(y_cd), z: z_ab.combine(z_cd) }
+    }
+
+    /// (x, y, z, 0) of each.
+    #[inline(always)]
+    pub fn rows(self, simd: S) -> [f64x4<S>; 4] {
+        let none = f64x4::splat(simd, 0.0);
+        let ((xy_a, xy_b), (xy_c, xy_d)) = (self.x.zip_low(self.y).split(), self.x.zip_high(self.y).split());
+        let ((z_a, z_b), (z_c, z_d)) = (self.z.zip_low(none).split(), self.z.zip_high(none).split());
+        [xy_a.combine(z_a), xy_b.combine(z_b), xy_c.combine(z_c), xy_d.combine(z_d)]
+    }
+
+    /// Lanes of each coordinate.
+    #[inline(always)]
+    pub fn coordinates(self) -> [f64x4<S>; 3] {
+        [self.x, self.y, self.z]
+    }
+
     /// From rows of a buffer.
     #[inline(always)]
     pub fn gather(simd: S, rows: &[V4; 256], [a, b, c, d]: [u8; 4]) -> Self {
-        let low = |i: u8| f64x2::simd_from(simd, [rows[usize::from(i)][0], rows[usize::from(i)][1]]);
-        let high = |i: u8| f64x2::simd_from(simd, [rows[usize::from(i)][2], rows[usize::from(i)][3]]);
-        let (xy_a, xy_b, xy_c, xy_d) = (low(a), low(b), low(c), low(d));
-        Self {
-            x: xy_a.zip_low(xy_b).combine(xy_c.zip_low(xy_d)),
-            y: xy_a.zip_high(xy_b).combine(xy_c.zip_high(xy_d)),
-            z: high(a).zip_low(high(b)).combine(high(c).zip_low(high(d))),
-        }
+        Self::of_rows(simd, [&rows[usize::from(a)], &rows[usize::from(b)], &rows[usize::from(c)], &rows[usize::from(d)]])
     }
 
     /// Adds to rows of a buffer, one after the other: lanes may name the same row.
     #[inline(always)]
     pub fn scatter_add(self, simd: S, rows: &mut [V4; 256], [a, b, c, d]: [u8; 4]) {
-        let ((x_ab, x_cd), (y_ab, y_cd), (z_ab, z_cd)) = (self.x.split(), self.y.split(), self.z.split());
-        let none = f64x2::splat(simd, 0.0);
-        let mut add = |i: u8, xy: f64x2<S>, z: f64x2<S>| {
-            let row = &mut rows[usize::from(i)];
-            *row = (f64x4::simd_from(simd, *row) + xy.combine(z)).into();
-        };
-        add(a, x_ab.zip_low(y_ab), z_ab.zip_low(none));
-        add(b, x_ab.zip_high(y_ab), z_ab.zip_high(none));
-        add(c, x_cd.zip_low(y_cd), z_cd.zip_low(none));
-        add(d, x_cd.zip_high(y_cd), z_cd.zip_high(none));
+        let [to_a, to_b, to_c, to_d] = self.rows(simd);
+        add_to(simd, &mut rows[usize::from(a)], to_a);
+        add_to(simd, &mut rows[usize::from(b)], to_b);
+        add_to(simd, &mut rows[usize::from(c)], to_c);
+        add_to(simd, &mut rows[usize::from(d)], to_d);
     }
 
     #[inline(always)]
@@ -128,6 +160,11 @@ impl<S: Simd> Four<S> {
     pub fn sum(self) -> V4 {
         [sum(self.x.into()), sum(self.y.into()), sum(self.z.into()), 0.0]
     }
+}
+
+#[inline(always)]
+fn add_to<S: Simd>(simd: S, row: &mut V4, added: f64x4<S>) {
+    *row = (f64x4::simd_from(simd, *row) + added).into();
 }
 
 impl<S: Simd> Add for Four<S> {

@@ -27,6 +27,7 @@ mod skinning;
 mod spine;
 mod split;
 mod stages;
+mod strips;
 mod supports;
 mod surface;
 mod sweeps;

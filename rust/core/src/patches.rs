@@ -9,6 +9,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::csr::Csr;
+use crate::strips::{Rung, strips};
 use crate::topology::Topology;
 
 /// Most points of one patch: a face names its corners by one byte.
@@ -33,7 +34,7 @@ pub(crate) struct Patch {
     /// Slots of owned points, then of foreign ones: `local` of `Patches`.
     pub local: Range<usize>,
     pub triangles: Range<usize>,
-    pub quads: Range<usize>,
+    pub strips: Range<usize>,
     pub polygons: Range<usize>,
 }
 
@@ -68,7 +69,8 @@ pub(crate) struct Patches {
     pub local: Vec<u32>,
     /// Four at a time, corner by corner; the last of a patch are filled up with faces of one point.
     pub triangles: Vec<[[u8; 4]; 3]>,
-    pub quads: Vec<[[u8; 4]; 4]>,
+    /// All quads.
+    pub strips: Csr<Rung>,
     pub polygons: Csr<u8>,
     pub giants: Vec<Giant>,
     /// Per patch.
@@ -150,7 +152,7 @@ impl Patches {
         size_of_val(&*self.list)
             + size_of_val(&*self.local)
             + size_of_val(&*self.triangles)
-            + size_of_val(&*self.quads)
+            + self.strips.memory_bytes()
             + self.polygons.memory_bytes()
             + self.giants.iter().map(|g| size_of_val(&*g.corners)).sum::<usize>()
             + self.imports.memory_bytes()
@@ -190,7 +192,7 @@ impl Patches {
             }
             let renumber = |corner: &mut u8| *corner = renumbered[usize::from(*corner)];
             self.triangles[patch.triangles.clone()].as_flattened_mut().as_flattened_mut().iter_mut().for_each(renumber);
-            self.quads[patch.quads.clone()].as_flattened_mut().as_flattened_mut().iter_mut().for_each(renumber);
+            self.strips.rows_mut(patch.strips.clone()).as_flattened_mut().as_flattened_mut().iter_mut().for_each(renumber);
             self.polygons.rows_mut(patch.polygons.clone()).iter_mut().for_each(renumber);
             let end = self.source_offsets[self.source_offsets.len() - 1] as usize + patch.shared + patch.local.len() - patch.owned;
             self.source_offsets.push(end as u32);
@@ -280,7 +282,7 @@ impl Builder {
             result.local[first_local + *next] = point;
             *next += 1;
         }
-        let (triangles, quads, polygons) = (result.triangles.len(), result.quads.len(), result.polygons.len());
+        let (triangles, first_strip, polygons) = (result.triangles.len(), result.strips.len(), result.polygons.len());
         let (mut three, mut four) = (Vec::new(), Vec::new());
         for face in self.faces.drain(..) {
             match *face {
@@ -290,7 +292,9 @@ impl Builder {
             }
         }
         result.triangles.extend(by_fours(&three));
-        result.quads.extend(by_fours(&four));
+        for strip in strips(&four) {
+            result.strips.push_row(strip);
+        }
         result.slot_offsets.push(start as u32);
         result.list.push(Patch {
             component,
@@ -299,7 +303,7 @@ impl Builder {
             start,
             local: first_local..result.local.len(),
             triangles: triangles..result.triangles.len(),
-            quads: quads..result.quads.len(),
+            strips: first_strip..result.strips.len(),
             polygons: polygons..result.polygons.len(),
         });
         self.points.clear();

@@ -4,11 +4,12 @@
 //! is no closed form of losses, for dual quaternions and rest shapes that shape keys change, the volume is taken at every
 //! stage. The last stage is the skinned surface itself, so the changes sum to the whole by construction.
 
-use fearless_simd::{Level, dispatch};
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch, f64x8};
 use glam::DVec3;
 
 use crate::csr::Csr;
-use crate::lanes::{self, V4, add_scaled, scale, sub};
+use crate::lanes::{self, Four, V4, add_scaled, scale, sub};
 use crate::motions::Motions;
 use crate::sites::Sites;
 use crate::skinning::{Columns, Mode};
@@ -24,7 +25,7 @@ pub(crate) struct Stages {
     joints: Csr<u16>,
     /// The same as jobs.
     jobs: Csr<u32>,
-    /// Per body and one past the last: where its weights start, one row of points per joint.
+    /// Per body and one past the last: where its weights start, one row of whole blocks per joint.
     weight_offsets: Vec<u32>,
     /// Weight of all that hangs on a joint.
     weights: Vec<f64>,
@@ -43,6 +44,8 @@ pub(crate) struct Body<'a> {
     /// Rest position per site.
     pub rest: &'a [V4],
     pub motions: &'a Motions,
+    /// At rest, where losses are measured.
+    pub moment: Moment,
 }
 
 /// Coordinates of the points of one body, row after row: rest in three, blended motion in eight.
@@ -55,9 +58,11 @@ pub(crate) struct Rows<'a> {
 
 /// Rows of a body.
 pub(crate) const ROWS: usize = 11;
+/// Rows are whole blocks of so many points.
+pub(crate) const BLOCK: usize = 8;
 
 impl<'a> Rows<'a> {
-    /// `ROWS` rows of `count` numbers in `room`.
+    /// `ROWS` rows of `count` numbers in `room`, whole blocks.
     #[inline(always)]
     pub fn new(room: &'a mut [f64], count: usize) -> Self {
         let mut rows = room.chunks_exact_mut(count.max(1));
@@ -134,6 +139,7 @@ impl Stages {
                 };
                 sites.of_slot(slot as usize).map(|site| sites.share(site) * of_site(site)).sum::<f64>()
             }));
+            self.weights.extend((slots.len()..slots.len().next_multiple_of(BLOCK)).map(|_| 0.0));
         }
         self.weight_offsets.push(self.weights.len() as u32);
         // A patch without faces has joints that no face knows: they change nothing.
@@ -184,22 +190,22 @@ impl Stages {
 
     /// Positions as all joints leave them: those of the skin where `ends_skinned`.
     #[inline(always)]
-    pub fn skin(&self, body: Body, mut rows: Rows, positions: &mut [V4]) {
-        self.start(body, &mut rows);
+    pub fn skin<S: Simd>(&self, simd: S, body: Body, mut rows: Rows, positions: &mut [V4]) {
+        self.start(simd, body, &mut rows);
         for (stage, &joint) in self.joints.row(body.index).iter().enumerate() {
-            self.add(body, stage, usize::from(joint), &mut rows);
+            self.add(simd, body, stage, usize::from(joint), &mut rows);
         }
-        place_all(body, &rows, positions);
+        place_all(simd, body, &rows, positions);
     }
 
     /// What each joint's turn does to one body; `positions` end as all joints leave them.
     ///
     /// The loss of the last joint that moves is what is left before it: `close` takes from it what is left after it.
     #[inline(always)]
-    pub fn measure<P: AsMut<[V4]>>(
+    pub fn measure<S: Simd, P: AsMut<[V4]>>(
         &self,
+        simd: S,
         body: Body,
-        moment: Moment,
         mut rows: Rows,
         positions: &mut P,
         volume: impl Fn(&P) -> f64,
@@ -209,8 +215,8 @@ impl Stages {
         let motions = body.motions;
         let joints = self.joints.row(body.index);
         let last = joints.iter().rposition(|&j| !motions.is_still[usize::from(j)]);
-        self.start(body, &mut rows);
-        let mut before = moved_volume(motions.palette.alone(usize::from(self.tops[body.index])), moment);
+        self.start(simd, body, &mut rows);
+        let mut before = moved_volume(motions.palette.alone(usize::from(self.tops[body.index])), body.moment);
         for (stage, change) in changes.iter_mut().enumerate().take(last.map_or(0, |last| last + 1)) {
             let joint = usize::from(joints[stage]);
             if motions.is_still[joint] {
@@ -218,43 +224,47 @@ impl Stages {
             }
             let mut stretched = before;
             if motions.has_intent[joint] {
-                self.add(body, stage, motions.stretched(joint), &mut rows);
-                place_all(body, &rows, positions.as_mut());
+                self.add(simd, body, stage, motions.stretched(joint), &mut rows);
+                place_all(simd, body, &rows, positions.as_mut());
                 stretched = volume(positions);
-                self.start(body, &mut rows);
+                self.start(simd, body, &mut rows);
                 for (earlier, &joint) in joints[..stage].iter().enumerate() {
-                    self.add(body, earlier, usize::from(joint), &mut rows);
+                    self.add(simd, body, earlier, usize::from(joint), &mut rows);
                 }
             }
-            self.add(body, stage, joint, &mut rows);
+            self.add(simd, body, stage, joint, &mut rows);
             *change = Change { intent: stretched - before, loss: stretched };
             if Some(stage) != last {
-                place_all(body, &rows, positions.as_mut());
+                place_all(simd, body, &rows, positions.as_mut());
                 before = volume(positions);
                 change.loss -= before;
             }
         }
-        place_all(body, &rows, positions.as_mut());
+        place_all(simd, body, &rows, positions.as_mut());
         last
     }
 
     /// All points as the joint above leaves them.
     #[inline(always)]
-    fn start(&self, body: Body, rows: &mut Rows) {
+    fn start<S: Simd>(&self, simd: S, body: Body, rows: &mut Rows) {
         let palette = &body.motions.palette;
         let top = usize::from(self.tops[body.index]);
         let count = body.slots.len();
         let at_rest = |slot: &u32| body.sites.mean(*slot as usize, |site| body.rest[site]);
         let [x, y, z] = rows.place.each_mut().map(|row| &mut row[..count]);
-        let mut put = |i: usize, p: V4| (x[i], y[i], z[i]) = (p[0], p[1], p[2]);
         // Sites of single points lie like their slots.
         let own = if self.is_single[body.index] { body.owned } else { 0 };
         let first = body.sites.of_slot(body.slots[0] as usize).start;
-        for (i, &p) in body.rest[first..][..own].iter().enumerate() {
-            put(i, p);
+        let fours = body.rest[first..][..own].as_chunks::<4>().0;
+        for (i, [a, b, c, d]) in fours.iter().enumerate() {
+            let [by_x, by_y, by_z] = Four::of_rows(simd, [a, b, c, d]).coordinates();
+            by_x.store_slice(&mut x[4 * i..4 * i + 4]);
+            by_y.store_slice(&mut y[4 * i..4 * i + 4]);
+            by_z.store_slice(&mut z[4 * i..4 * i + 4]);
         }
-        for (i, slot) in body.slots.iter().enumerate().skip(own) {
-            put(i, at_rest(slot));
+        for (i, slot) in body.slots.iter().enumerate().skip(4 * fours.len()) {
+            let p = at_rest(slot);
+            (x[i], y[i], z[i]) = (p[0], p[1], p[2]);
         }
         // As `lanes::transform`, for many points side by side.
         let moved = |m: &Columns, axis: usize, p: [f64; 3]| m[3][axis] + m[0][axis] * p[0] + m[1][axis] * p[1] + m[2][axis] * p[2];
@@ -281,18 +291,22 @@ impl Stages {
 
     /// Lets a joint follow `motion` where it followed its parent.
     #[inline(always)]
-    fn add(&self, body: Body, stage: usize, motion: usize, rows: &mut Rows) {
+    fn add<S: Simd>(&self, simd: S, body: Body, stage: usize, motion: usize, rows: &mut Rows) {
         let count = body.slots.len();
         let palette = &body.motions.palette;
         let parent = usize::from(body.motions.tree.parents[usize::from(self.joints.row(body.index)[stage])]);
-        let parts = &self.weights[self.weight_offsets[body.index] as usize + stage * count..][..count];
+        let row_length = count.next_multiple_of(BLOCK);
+        let parts = &self.weights[self.weight_offsets[body.index] as usize + stage * row_length..][..row_length];
         if palette.mode == Mode::Linear {
-            let [x, y, z] = rows.place.each_ref().map(|row| &row[..count]);
+            let [x, y, z] = rows.place.each_ref().map(|row| row.as_chunks::<BLOCK>().0);
             let (to, from) = (palette.alone(motion), palette.alone(parent));
             for (axis, row) in rows.blend.iter_mut().take(3).enumerate() {
-                let [a, b, c, d]: [f64; 4] = std::array::from_fn(|i| to[i][axis] - from[i][axis]);
-                for (i, q) in row[..count].iter_mut().enumerate() {
-                    *q += parts[i] * (a * x[i] + b * y[i] + c * z[i] + d);
+                let at = |column: usize| f64x8::splat(simd, to[column][axis] - from[column][axis]);
+                let (a, b, c, d) = (at(0), at(1), at(2), at(3));
+                for (number, (q, part)) in row.as_chunks_mut().0.iter_mut().zip(parts.as_chunks::<BLOCK>().0).enumerate() {
+                    let (x, y) = (f64x8::simd_from(simd, x[number]), f64x8::simd_from(simd, y[number]));
+                    let moved = a * x + b * y + c * f64x8::simd_from(simd, z[number]) + d;
+                    *q = (f64x8::simd_from(simd, *q) + f64x8::simd_from(simd, *part) * moved).into();
                 }
             }
             return;
@@ -328,45 +342,60 @@ fn add_dual(rows: &mut Rows, count: usize, part: impl Fn(usize) -> f64, dual: [V
     }
 }
 
-/// Positions of all points, armature space − origin.
+/// Positions of all points, armature space − origin; of whole blocks, those beyond the last point mean nothing.
 #[inline(always)]
-fn place_all(body: Body, rows: &Rows, positions: &mut [V4]) {
-    let count = body.slots.len();
+fn place_all<S: Simd>(simd: S, body: Body, rows: &Rows, positions: &mut [V4]) {
     let palette = &body.motions.palette;
-    let positions = &mut positions[..count];
-    let [bx, by, bz, bw] = rows.blend.each_ref().map(|row| &row[..count]);
-    if palette.mode == Mode::Linear {
-        for (i, q) in positions.iter_mut().enumerate() {
-            *q = [bx[i], by[i], bz[i], 0.0];
-        }
-        return;
-    }
-    let [x, y, z] = rows.place.each_ref().map(|row| &row[..count]);
-    let [dx, dy, dz, dw] = rows.dual.each_ref().map(|row| &row[..count]);
+    let is_linear = palette.mode == Mode::Linear;
     let origin = lanes::from(palette.origin);
-    for (i, q) in positions.iter_mut().enumerate() {
-        // As `dual_quaternion::transform`, written out for many points side by side.
-        let vector_squared = bx[i] * bx[i] + by[i] * by[i] + bz[i] * bz[i];
-        let length_squared = vector_squared + bw[i] * bw[i];
-        let inverse = if length_squared == 0.0 { 0.0 } else { 1.0 / length_squared };
-        let kept = if length_squared == 0.0 { 1.0 } else { (bw[i] * bw[i] - vector_squared) * inverse };
-        let twice = 2.0 * inverse;
-        let along = bx[i] * x[i] + by[i] * y[i] + bz[i] * z[i] - dw[i];
-        let turned = |v: f64, t: f64, v_cross_p: f64, v_cross_t: f64| v * along + bw[i] * (v_cross_p + t) + v_cross_t;
-        *q = [
-            x[i] * kept + twice * turned(bx[i], dx[i], by[i] * z[i] - bz[i] * y[i], by[i] * dz[i] - bz[i] * dy[i]) - origin[0],
-            y[i] * kept + twice * turned(by[i], dy[i], bz[i] * x[i] - bx[i] * z[i], bz[i] * dx[i] - bx[i] * dz[i]) - origin[1],
-            z[i] * kept + twice * turned(bz[i], dz[i], bx[i] * y[i] - by[i] * x[i], bx[i] * dy[i] - by[i] * dx[i]) - origin[2],
-            0.0,
-        ];
+    for (number, eight) in positions.as_chunks_mut::<BLOCK>().0.iter_mut().take(body.slots.len().div_ceil(BLOCK)).enumerate() {
+        let [bx, by, bz, bw] = rows.blend.each_ref().map(|row| block(row, number));
+        if is_linear {
+            put_rows(simd, [bx, by, bz], eight);
+            continue;
+        }
+        let [x, y, z] = rows.place.each_ref().map(|row| block(row, number));
+        let [dx, dy, dz, dw] = rows.dual.each_ref().map(|row| block(row, number));
+        let mut q = [[0.0; BLOCK]; 3];
+        for i in 0..BLOCK {
+            // As `dual_quaternion::transform`, written out for many points side by side.
+            let vector_squared = bx[i] * bx[i] + by[i] * by[i] + bz[i] * bz[i];
+            let length_squared = vector_squared + bw[i] * bw[i];
+            let inverse = if length_squared == 0.0 { 0.0 } else { 1.0 / length_squared };
+            let kept = if length_squared == 0.0 { 1.0 } else { (bw[i] * bw[i] - vector_squared) * inverse };
+            let twice = 2.0 * inverse;
+            let along = bx[i] * x[i] + by[i] * y[i] + bz[i] * z[i] - dw[i];
+            let turned = |v: f64, t: f64, v_cross_p: f64, v_cross_t: f64| v * along + bw[i] * (v_cross_p + t) + v_cross_t;
+            q[0][i] = x[i] * kept + twice * turned(bx[i], dx[i], by[i] * z[i] - bz[i] * y[i], by[i] * dz[i] - bz[i] * dy[i]) - origin[0];
+            q[1][i] = y[i] * kept + twice * turned(by[i], dy[i], bz[i] * x[i] - bx[i] * z[i], bz[i] * dx[i] - bx[i] * dz[i]) - origin[1];
+            q[2][i] = z[i] * kept + twice * turned(bz[i], dz[i], bx[i] * y[i] - by[i] * x[i], bx[i] * dy[i] - by[i] * dx[i]) - origin[2];
+        }
+        put_rows(simd, [&q[0], &q[1], &q[2]], eight);
+    }
+    if is_linear {
+        return;
     }
     let influences = &body.sites.influences;
     if !influences.mask.is_empty() {
         for (i, (q, &slot)) in positions.iter_mut().zip(body.slots).enumerate() {
-            let still = sub([x[i], y[i], z[i], 0.0], origin);
+            let still = sub([rows.place[0][i], rows.place[1][i], rows.place[2][i], 0.0], origin);
             let mask = body.sites.of_slot(slot as usize).map(|site| body.sites.share(site) * influences.mask(site)).sum();
             *q = add_scaled(still, sub(*q, still), mask);
         }
+    }
+}
+
+#[inline(always)]
+fn block<'a>(row: &'a &mut [f64], number: usize) -> &'a [f64; BLOCK] {
+    &row.as_chunks().0[number]
+}
+
+#[inline(always)]
+fn put_rows<S: Simd>(simd: S, [x, y, z]: [&[f64; BLOCK]; 3], rows: &mut [V4; BLOCK]) {
+    for (half, [a, b, c, d]) in rows.as_chunks_mut().0.iter_mut().enumerate() {
+        let four = |row: &[f64; BLOCK]| row.as_chunks().0[half];
+        let [to_a, to_b, to_c, to_d] = Four::of_coordinates(simd, [&four(x), &four(y), &four(z)]).rows(simd);
+        (*a, *b, *c, *d) = (to_a.into(), to_b.into(), to_c.into(), to_d.into());
     }
 }
 

@@ -1,5 +1,5 @@
 //! Sums over the faces of one patch: volume, gradient, the exact cubic. Positions lie in a buffer that bytes index without
-//! checks; triangles and quads come four at a time, one to a lane.
+//! checks; triangles and strips of quads come four at a time, one to a lane.
 
 use std::ops::Range;
 
@@ -8,6 +8,7 @@ use fearless_simd::{Simd, f64x4};
 
 use crate::lanes::{self, Four, V4, add, add_scaled, cross, mul, scale, sub};
 use crate::patches::{PATCH_POINTS, Patch, Patches};
+use crate::strips::Rung;
 use crate::volume::VolumeCubic;
 
 /// One vector per local point of a patch.
@@ -21,10 +22,14 @@ pub(crate) const GRADIENT_PARTS: f64 = 24.0;
 pub(crate) fn volume<S: Simd>(simd: S, patches: &Patches, patch: &Patch, p: &Buffer) -> f64 {
     let none = f64x4::splat(simd, 0.0);
     let (mut lanes24, mut lanes6) = (none, none);
-    for corners in &patches.quads[patch.quads.clone()] {
-        let [a, b, c, d] = quad(simd, p, corners);
-        lanes24 += (a + b + c + d).dot((c - a).cross(d - b));
-    }
+    for_each_quad(
+        simd,
+        patches,
+        patch,
+        p,
+        #[inline(always)]
+        |[a, b, c, d]| lanes24 += (a + b + c + d).dot((c - a).cross(d - b)),
+    );
     for corners in &patches.triangles[patch.triangles.clone()] {
         let [a, b, c] = triangle(simd, p, corners);
         lanes6 += a.dot((b - a).cross(c - a));
@@ -45,10 +50,14 @@ pub(crate) fn moment<S: Simd>(simd: S, patches: &Patches, patch: &Patch, p: &Buf
         let [a, b, c] = triangle(simd, p, corners);
         area2 = add(area2, (b - a).cross(c - a).sum());
     }
-    for corners in &patches.quads[patch.quads.clone()] {
-        let [a, b, c, d] = quad(simd, p, corners);
-        area2 = add(area2, (c - a).cross(d - b).sum());
-    }
+    for_each_quad(
+        simd,
+        patches,
+        patch,
+        p,
+        #[inline(always)]
+        |[a, b, c, d]| area2 = add(area2, (c - a).cross(d - b).sum()),
+    );
     for f in polygons(patches, &patch.polygons) {
         area2 = add(area2, mean_and_cross(f.iter().map(|&i| p[i as usize])).1);
     }
@@ -60,16 +69,24 @@ pub(crate) fn moment<S: Simd>(simd: S, patches: &Patches, patch: &Patch, p: &Buf
 pub(crate) fn volume_and_gradient<S: Simd>(simd: S, patches: &Patches, patch: &Patch, p: &Buffer, gradient: &mut Buffer) -> f64 {
     let none = f64x4::splat(simd, 0.0);
     let (mut lanes24, mut lanes6) = (none, none);
-    for corners in &patches.quads[patch.quads.clone()] {
-        let [a, b, c, d] = quad(simd, p, corners);
-        let (first, second, all) = (c - a, d - b, a + b + c + d);
-        let area = first.cross(second);
-        lanes24 += all.dot(area);
-        let (by_first, by_second) = (first.cross(all), second.cross(all));
-        (area - by_second).scatter_add(simd, gradient, corners[0]);
-        (area + by_first).scatter_add(simd, gradient, corners[1]);
-        (area + by_second).scatter_add(simd, gradient, corners[2]);
-        (area - by_first).scatter_add(simd, gradient, corners[3]);
+    for strip in strips(patches, patch) {
+        let nothing = Four::splat(simd, 0.0);
+        let (mut a, mut d) = rung(simd, p, &strip[0]);
+        let (mut by_a, mut by_d) = (nothing, nothing);
+        for ends in strip.windows(2) {
+            let (b, c) = rung(simd, p, &ends[1]);
+            let (first, second, all) = (c - a, d - b, a + b + c + d);
+            let area = first.cross(second);
+            lanes24 += all.dot(area);
+            let (by_first, by_second) = (first.cross(all), second.cross(all));
+            (by_a + (area - by_second)).scatter_add(simd, gradient, ends[0][0]);
+            (by_d + (area - by_first)).scatter_add(simd, gradient, ends[0][1]);
+            (by_a, by_d) = (area + by_first, area + by_second);
+            (a, d) = (b, c);
+        }
+        let [left, right] = strip[strip.len() - 1];
+        by_a.scatter_add(simd, gradient, left);
+        by_d.scatter_add(simd, gradient, right);
     }
     for corners in &patches.triangles[patch.triangles.clone()] {
         let [a, b, c] = triangle(simd, p, corners);
@@ -105,9 +122,13 @@ pub(crate) fn polygon_gradient(mean: V4, area: V4, previous: V4, next: V4, corne
 pub(crate) fn volume_cubic<S: Simd>(simd: S, patches: &Patches, patch: &Patch, p: &Buffer, u: &Buffer) -> VolumeCubic {
     let none = [f64x4::splat(simd, 0.0); 4];
     let mut quads = none;
-    for corners in &patches.quads[patch.quads.clone()] {
-        let ([a, b, c, d], [ua, ub, uc, ud]) = (quad(simd, p, corners), quad(simd, u, corners));
-        add_cone(&mut quads, [a + b + c + d, ua + ub + uc + ud], [c - a, uc - ua], [d - b, ud - ub]);
+    for strip in strips(patches, patch) {
+        let ((mut a, mut d), (mut ua, mut ud)) = (rung(simd, p, &strip[0]), rung(simd, u, &strip[0]));
+        for next in &strip[1..] {
+            let ((b, c), (ub, uc)) = (rung(simd, p, next), rung(simd, u, next));
+            add_cone(&mut quads, [a + b + c + d, ua + ub + uc + ud], [c - a, uc - ua], [d - b, ud - ub]);
+            (a, d, ua, ud) = (b, c, ub, uc);
+        }
     }
     let mut triangles = none;
     for corners in &patches.triangles[patch.triangles.clone()] {
@@ -139,9 +160,27 @@ fn triangle<S: Simd>(simd: S, p: &Buffer, [a, b, c]: &[[u8; 4]; 3]) -> [Four<S>;
     [Four::gather(simd, p, *a), Four::gather(simd, p, *b), Four::gather(simd, p, *c)]
 }
 
+/// Corners in order, of four quads at a time.
 #[inline(always)]
-fn quad<S: Simd>(simd: S, p: &Buffer, [a, b, c, d]: &[[u8; 4]; 4]) -> [Four<S>; 4] {
-    [Four::gather(simd, p, *a), Four::gather(simd, p, *b), Four::gather(simd, p, *c), Four::gather(simd, p, *d)]
+fn for_each_quad<S: Simd>(simd: S, patches: &Patches, patch: &Patch, p: &Buffer, mut visit: impl FnMut([Four<S>; 4])) {
+    for strip in strips(patches, patch) {
+        let (mut a, mut d) = rung(simd, p, &strip[0]);
+        for next in &strip[1..] {
+            let (b, c) = rung(simd, p, next);
+            visit([a, b, c, d]);
+            (a, d) = (b, c);
+        }
+    }
+}
+
+#[inline(always)]
+fn strips<'a>(patches: &'a Patches, patch: &Patch) -> impl Iterator<Item = &'a [Rung]> {
+    patch.strips.clone().map(|strip| patches.strips.row(strip))
+}
+
+#[inline(always)]
+fn rung<S: Simd>(simd: S, p: &Buffer, [left, right]: &Rung) -> (Four<S>, Four<S>) {
+    (Four::gather(simd, p, *left), Four::gather(simd, p, *right))
 }
 
 /// V(P + tU) of one polygon.

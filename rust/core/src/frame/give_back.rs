@@ -39,7 +39,14 @@ impl Workspace {
     pub(crate) fn give_back(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
         self.hold(binding, supports, settings, Pass::All);
         self.solve(binding);
-        self.add_fields(binding, supports, settings, Pass::All, |old, new| *old = new);
+        self.add_fields(
+            binding,
+            supports,
+            settings,
+            Pass::All,
+            #[inline(always)]
+            |old, new| *old = new,
+        );
     }
 
     /// Reads the gradient and sums what each field could do with it.
@@ -83,16 +90,15 @@ impl Workspace {
                         let profiles =
                             settings[binding.plan.jobs[job as usize].joint as usize].profiles.as_ref().filter(|_| state.frame.has_axes());
                         let bell = &mut bell[..row_length];
-                        fields::bell_heights(weights, places, &state.frame, bell);
+                        let [all, round] = fields::bell_sums(weights, places, &state.frame, volumes, lengths, bell);
                         if let (Pass::All, Some(profiles)) = (pass, profiles) {
                             for (i, profiled) in profiled.values[at.clone()].iter_mut().enumerate() {
                                 let p = places.map(|row| f64::from(row[i]));
                                 *profiled = weights[i] * state.frame.height(profiles, DVec3::from_array(p)) as f32;
                             }
                         }
-                        (hold.all, hold.all_most) = fields::sum_and_most(weights, volumes, lengths);
+                        ((hold.all, hold.all_most), (hold.bell, hold.bell_most)) = (all, round);
                         hold.unmasked = mask.map_or(hold.all, |_| fields::sum_and_most(weights, unmasked, lengths).0);
-                        (hold.bell, hold.bell_most) = fields::sum_and_most(bell, volumes, lengths);
                         if state.frame.has_axes() {
                             let shape = if profiles.is_some() { &profiled.values[at] } else { &*bell };
                             for (axis, e) in state.frame.axes.iter().enumerate() {

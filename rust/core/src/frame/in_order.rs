@@ -17,7 +17,14 @@ use crate::sweeps::{self, Buffer};
 impl Workspace {
     /// The paper's order: parents first, axis after axis, each on the mesh so far. The residual's field stays as `give_back` made it.
     pub(crate) fn give_back_in_order(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
-        self.add_fields(binding, supports, settings, Pass::Shell, |old, new| old.by = new.by);
+        self.add_fields(
+            binding,
+            supports,
+            settings,
+            Pass::Shell,
+            #[inline(always)]
+            |old, new| old.by = new.by,
+        );
         for joint in 0..binding.motions.tree.len() {
             let is_mine = |job: usize, jobs: &[JobState]| binding.plan.jobs[job].joint as usize == joint && jobs[job].frame.is_active;
             let mine: Vec<usize> = (0..self.jobs.len()).filter(|&job| is_mine(job, &self.jobs)).collect();
@@ -40,9 +47,16 @@ impl Workspace {
                     let shell = self.components[binding.plan.jobs[job].component as usize].wide_hold;
                     state.take(Field::new(&state.frame.for_step(step), &state.hold, shell, state.volume * shares[step]));
                 }
-                self.add_fields(binding, supports, settings, Pass::Some(&mine), |old, new| {
-                    old.by = std::array::from_fn(|i| old.by[i] + new.by[i]);
-                });
+                self.add_fields(
+                    binding,
+                    supports,
+                    settings,
+                    Pass::Some(&mine),
+                    #[inline(always)]
+                    |old, new| {
+                        old.by = std::array::from_fn(|i| old.by[i] + new.by[i]);
+                    },
+                );
             }
         }
     }
@@ -61,8 +75,11 @@ impl Workspace {
             for (p, &slot) in p.iter_mut().zip(&patches.local[patch.local.clone()]) {
                 *p = place(slot as usize);
             }
-            dispatch!(level, simd => sweeps::volume_and_gradient(simd, patches, patch, &p, &mut by_point));
-            keep_gradient(binding, patch, &by_point, gradient.map(|row| row.values), sources.values);
+            let gradient = gradient.map(|row| row.values);
+            dispatch!(level, simd => {
+                sweeps::volume_and_gradient(simd, patches, patch, &p, &mut by_point);
+                keep_gradient(simd, binding, patch, &by_point, gradient, sources.values);
+            });
         });
         sweep_giants(binding, &mut self.giant_volumes, giant_sources, place);
     }

@@ -31,7 +31,7 @@ use crate::motions::Motions;
 use crate::report::Report;
 use crate::skinning::{check_object, check_pose};
 use crate::split::Ragged;
-use crate::stages::ROWS;
+use crate::stages::{BLOCK, ROWS};
 use crate::supports::Supports;
 use crate::volume::VolumeCubic;
 use crate::volume_forms::{FormBuffers, VolumeForms};
@@ -179,7 +179,7 @@ impl Workspace {
         let forms = binding.plan.forms.as_ref().map(VolumeForms::buffers);
         let stage_changes = vec![Change::default(); if forms.is_some() { 0 } else { binding.plan.stages.change_count() }];
         let giants = &binding.patches.giants;
-        let giant_points = giants.iter().map(|g| g.corners.len()).max().unwrap_or(0);
+        let giant_points = giants.iter().map(|g| g.corners.len().next_multiple_of(BLOCK)).max().unwrap_or(0);
         let has_profiles = settings.iter().any(|joint| joint.profiles.is_some());
         let mut workspace = Self {
             motions: binding.motions.clone(),
@@ -323,8 +323,8 @@ fn in_single_precision(number: f64) -> f64 {
     if number.abs() < f64::from(f32::MAX) { number } else { 0.0 }
 }
 
-/// (x, y, z, 0) in double precision.
+/// The same in double precision.
 #[inline(always)]
-fn widened(v: [f32; 3]) -> V4 {
-    [f64::from(v[0]), f64::from(v[1]), f64::from(v[2]), 0.0]
+fn widened(v: [f32; 4]) -> V4 {
+    v.map(f64::from)
 }

@@ -1,6 +1,7 @@
 //! What leaves the engine: offsets of vertices, in object space.
 
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch, f32x4};
 use rayon::prelude::*;
 
 use super::Workspace;
@@ -31,7 +32,7 @@ impl Workspace {
 /// Offsets of some vertices; the largest squared length.
 #[inline(always)]
 fn write_some<S: Simd>(
-    _: S,
+    simd: S,
     moves: &[Move],
     slots: &[u32],
     of_vertex: &[u32],
@@ -39,7 +40,8 @@ fn write_some<S: Simd>(
     to_object: &[[f32; 4]; 3],
     offsets: &mut [[f32; 3]],
 ) -> f32 {
-    let [x, y, z] = to_object;
+    let (x, y) = (f32x4::simd_from(simd, to_object[0]), f32x4::simd_from(simd, to_object[1]));
+    let z = f32x4::simd_from(simd, to_object[2]);
     let mut largest = 0.0;
     for ((offset, &slot), &component) in offsets.iter_mut().zip(slots).zip(of_vertex) {
         let point = moves.get(slot as usize).map(|point| (point, step(component))).filter(|(_, step)| !step.is_nan());
@@ -47,11 +49,11 @@ fn write_some<S: Simd>(
             *offset = [0.0; 3];
             continue;
         };
-        let u: [f32; 3] = std::array::from_fn(|i| by[i] + residual[i] * step);
-        let u: [f32; 3] = std::array::from_fn(|i| x[i] * u[0] + y[i] * u[1] + z[i] * u[2]);
+        let u: [f32; 4] = (f32x4::simd_from(simd, *by) + f32x4::simd_from(simd, *residual) * step).into();
+        let u: [f32; 4] = (x * u[0] + y * u[1] + z * u[2]).into();
         let squared = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
         largest = if squared > largest { squared } else { largest };
-        *offset = u;
+        offset.copy_from_slice(&u[..3]);
     }
     largest
 }

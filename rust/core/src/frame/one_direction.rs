@@ -30,8 +30,8 @@ impl Workspace {
             let mut moves = std::mem::take(&mut self.moves);
             for (index, _) in mine() {
                 self.visit_directions(binding, index, |slot, weight, _, direction| {
-                    let residual = (e * (direction.dot(e) * weight * scale)).as_vec3().to_array();
-                    moves[slot] = Move { by: [0.0; 3], residual };
+                    let residual = (e * (direction.dot(e) * weight * scale)).as_vec3().extend(0.0).to_array();
+                    moves[slot] = Move { by: [0.0; 4], residual };
                 });
             }
             self.moves = moves;

@@ -1,16 +1,17 @@
 //! Skins all points, patch by patch; volume and gradient of the surface they make.
 
+use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
 
 use super::added::Added;
 use super::scratch::{Scratch, with_scratch};
 use super::{PatchSums, Workspace, ragged};
 use crate::binding::Binding;
-use crate::lanes::{self, V4};
+use crate::lanes::{self, Four, V4};
 use crate::motions::Motions;
-use crate::patches::{PATCH_POINTS, Patch};
+use crate::patches::{LANES, PATCH_POINTS, Patch};
 use crate::split::{Ragged, for_each_piece};
-use crate::stages::{Body, Rows, giant_moment, giant_volume};
+use crate::stages::{BLOCK, Body, Rows, giant_moment, giant_volume};
 use crate::sweeps::{self, Buffer, GRADIENT_PARTS, mean_and_cross, polygon_gradient};
 use crate::volume_loss::{Change, Moment};
 
@@ -56,19 +57,23 @@ impl Workspace {
         let Some(stages) = stages else { return };
         let mut giant_changes = giant_changes;
         for (index, (giant, moment)) in patches.giants.iter().zip(giant_moments).enumerate() {
-            let body = Body { index: count + index, slots: &giant.corners, owned: 0, sites: &binding.sites, rest, motions };
             let corners = giant.corners.len();
-            let mut positions = &mut self.giant_positions[..corners];
+            let padded = corners.next_multiple_of(BLOCK);
+            let mut positions = &mut self.giant_positions[..padded];
             if has_shapes {
                 for (p, &slot) in positions.iter_mut().zip(&giant.corners) {
                     *p = binding.sites.mean(slot as usize, |site| rest[site]);
                 }
-                *moment = giant_moment(positions);
+                *moment = giant_moment(&positions[..corners]);
             }
             let (changes, rest_of_them) = giant_changes.split_at_mut(stages.joint_count(count + index));
-            let rows = Rows::new(&mut self.giant_room, corners);
-            if let Some(last) = stages.measure(body, *moment, rows, &mut positions, |p| giant_volume(p), changes) {
-                changes[last].loss -= if added.is_empty() { self.giant_volumes[index] } else { giant_volume(positions) };
+            let body =
+                Body { index: count + index, slots: &giant.corners, owned: 0, sites: &binding.sites, rest, motions, moment: *moment };
+            let rows = Rows::new(&mut self.giant_room, padded);
+            let volume = |p: &&mut [V4]| giant_volume(&p[..corners]);
+            let last = dispatch!(level, simd => stages.measure(simd, body, rows, &mut positions, volume, changes));
+            if let Some(last) = last {
+                changes[last].loss -= if added.is_empty() { self.giant_volumes[index] } else { volume(&positions) };
             }
             giant_changes = rest_of_them;
         }
@@ -108,7 +113,7 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
     let patch = &patches.list[index];
     let slots = &patches.local[patch.local.clone()];
     let Scratch { first: p, second: by_point, rows, .. } = scratch;
-    let body = Body { index, slots, owned: patch.owned, sites, rest, motions };
+    let mut body = Body { index, slots, owned: patch.owned, sites, rest, motions, moment: Moment::default() };
     let is_skinned = stages.ends_skinned(body);
     let mut last = None;
     if let Some(moment) = into.moment {
@@ -119,10 +124,11 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
             let (volume, area) = sweeps::moment(simd, patches, patch, p);
             *moment = (volume, lanes::to(area));
         }
+        body.moment = *moment;
         let rows = Rows::new(rows, PATCH_POINTS);
         last = stages.measure(
+            simd,
             body,
-            *moment,
             rows,
             p,
             #[inline(always)]
@@ -130,7 +136,7 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
             into.changes,
         );
     } else if is_skinned {
-        stages.skin(body, Rows::new(rows, PATCH_POINTS), p);
+        stages.skin(simd, body, Rows::new(rows, PATCH_POINTS), p);
     }
     if !is_skinned {
         for (p, &slot) in p.iter_mut().zip(slots) {
@@ -151,13 +157,8 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
         into.changes[last].loss -= volume;
     }
     *into.sums = PatchSums { volume, ..PatchSums::default() };
-    keep_gradient(binding, patch, by_point, into.gradient, into.sources);
-    for (axis, (near, rest)) in into.near.into_iter().zip(into.rest).enumerate() {
-        for ((near, rest), p) in near.iter_mut().zip(rest).zip(&p[..patch.owned]) {
-            *near = p[axis] as f32;
-            *rest = (p[axis] - f64::from(*near)) as f32;
-        }
-    }
+    keep_gradient(simd, binding, patch, by_point, into.gradient, into.sources);
+    keep_places(simd, patch, p, into.near, into.rest);
     if sites.is_split() {
         for &slot in &slots[..patch.owned] {
             let mut twins = sites.of_slot(slot as usize).map(|site| palette.skin(&sites.influences, site, rest[site]));
@@ -171,15 +172,55 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
 
 /// Keeps a patch's part of the gradient: whole for the points it alone uses, for others to be summed.
 #[inline(always)]
-pub(super) fn keep_gradient(binding: &Binding, patch: &Patch, by_point: &Buffer, gradient: [&mut [f32]; 3], sources: &mut [V4]) {
+pub(super) fn keep_gradient<S: Simd>(
+    simd: S,
+    binding: &Binding,
+    patch: &Patch,
+    by_point: &Buffer,
+    gradient: [&mut [f32]; 3],
+    sources: &mut [V4],
+) {
     let (shared, foreign) = sources.split_at_mut(patch.shared);
     shared.copy_from_slice(&by_point[..patch.shared]);
     foreign.copy_from_slice(&by_point[patch.owned..patch.local.len()]);
     let per_area = 1.0 / (GRADIENT_PARTS * binding.area_unit);
-    for (axis, row) in gradient.into_iter().enumerate() {
-        for (g, by_point) in row.iter_mut().zip(&by_point[..patch.owned]) {
-            *g = (by_point[axis] * per_area) as f32;
+    let gradient = gradient.map(|row| row.as_chunks_mut::<LANES>().0);
+    for (number, eight) in by_point.as_chunks::<LANES>().0.iter().take(gradient[0].len()).enumerate() {
+        let (early, late) = halves(simd, eight);
+        let (early, late) = (early.scale(per_area).coordinates(), late.scale(per_area).coordinates());
+        for axis in 0..3 {
+            gradient[axis][number] = early[axis].narrow(late[axis]).into();
         }
+    }
+    clear_padding(patch, gradient.map(<[[f32; LANES]]>::as_flattened_mut));
+}
+
+/// Keeps the positions of the points that a patch owns.
+#[inline(always)]
+fn keep_places<S: Simd>(simd: S, patch: &Patch, p: &Buffer, near: [&mut [f32]; 3], rest: [&mut [f32]; 3]) {
+    let [near, rest] = [near, rest].map(|rows| rows.map(|row| row.as_chunks_mut::<LANES>().0));
+    for (number, eight) in p.as_chunks::<LANES>().0.iter().take(near[0].len()).enumerate() {
+        let (early, late) = halves(simd, eight);
+        let (early, late) = (early.coordinates(), late.coordinates());
+        for axis in 0..3 {
+            let rounded = early[axis].narrow(late[axis]);
+            let (early_rounded, late_rounded) = rounded.widen();
+            near[axis][number] = rounded.into();
+            rest[axis][number] = (early[axis] - early_rounded).narrow(late[axis] - late_rounded).into();
+        }
+    }
+    clear_padding(patch, near.map(<[[f32; LANES]]>::as_flattened_mut));
+    clear_padding(patch, rest.map(<[[f32; LANES]]>::as_flattened_mut));
+}
+
+#[inline(always)]
+fn halves<S: Simd>(simd: S, [a, b, c, d, e, f, g, h]: &[V4; LANES]) -> (Four<S>, Four<S>) {
+    (Four::of_rows(simd, [a, b, c, d]), Four::of_rows(simd, [e, f, g, h]))
+}
+
+fn clear_padding(patch: &Patch, rows: [&mut [f32]; 3]) {
+    for row in rows {
+        row[patch.owned..].fill(0.0);
     }
 }
 
