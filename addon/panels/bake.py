@@ -5,33 +5,25 @@ from __future__ import annotations
 import bpy
 
 from .. import runtime
+from .modifier_tab import ModifierTab
 from .spine import PARENT_PANEL as SPINE_PANEL
 from .spine import has_spine
 from .text import draw_wrapped
-from .volume import PARENT_PANEL as VOLUME_PANEL
-from .volume import has_volume
+from .volume import VolumeSubpanel, has_volume
 
 CORRECTIVE_METHODS = frozenset({"CORRECTIVE", "REDUCED", "DRIVEN"})
 
 
-class BakePanel:
+class BakePanel(ModifierTab):
     bl_label = "Bake"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "modifier"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         draw_bake(self.layout, context, context.object)
 
 
-class TURGOR_PT_bake(BakePanel, bpy.types.Panel):
-    bl_parent_id = VOLUME_PANEL
+class TURGOR_PT_bake(BakePanel, VolumeSubpanel, bpy.types.Panel):
     bl_order = 90
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return has_volume(context.object)
 
 
 class TURGOR_PT_spine_bake(BakePanel, bpy.types.Panel):
@@ -43,11 +35,8 @@ class TURGOR_PT_spine_bake(BakePanel, bpy.types.Panel):
         return has_spine(context.object) and not has_volume(context.object)
 
 
-class TURGOR_PT_baked(bpy.types.Panel):
+class TURGOR_PT_baked(ModifierTab, bpy.types.Panel):
     bl_label = "Turgor Bake"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "modifier"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:

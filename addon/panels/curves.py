@@ -9,7 +9,7 @@ import bpy
 from ..properties.joint import TurgorJoint
 from ..properties.profiles import ProfileSet
 from .joint import active_joint, edited_settings
-from .volume import PARENT_PANEL, has_volume
+from .volume import VolumeSubpanel
 
 
 class Axis(NamedTuple):
@@ -29,16 +29,12 @@ AXES = (
 )
 
 
-class TURGOR_PT_curves(bpy.types.Panel):
+class TURGOR_PT_curves(VolumeSubpanel, bpy.types.Panel):
     bl_label = "Profile Curves"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "modifier"
-    bl_parent_id = PARENT_PANEL
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return has_volume(context.object) and active_joint(context.object) is not None
+        return super().poll(context) and active_joint(context.object) is not None
 
     def draw(self, context: bpy.types.Context) -> None:
         draw_curves(self.layout, context.object)

@@ -5,21 +5,13 @@ from __future__ import annotations
 import bpy
 
 from .. import runtime
-from .volume import PARENT_PANEL, has_volume
+from .volume import VolumeSubpanel
 
 
-class TURGOR_PT_display(bpy.types.Panel):
+class TURGOR_PT_display(VolumeSubpanel, bpy.types.Panel):
     bl_label = "Viewport Display"
     bl_idname = "TURGOR_PT_display"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "modifier"
-    bl_parent_id = PARENT_PANEL
     bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return has_volume(context.object)
 
     def draw(self, context: bpy.types.Context) -> None:
         display = context.object.turgor.display
@@ -40,17 +32,9 @@ class TURGOR_PT_display(bpy.types.Panel):
         details.prop(display, "opacity", slider=True)
 
 
-class TURGOR_PT_performance(bpy.types.Panel):
+class TURGOR_PT_performance(VolumeSubpanel, bpy.types.Panel):
     bl_label = "Performance"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "modifier"
-    bl_parent_id = PARENT_PANEL
     bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return has_volume(context.object)
 
     def draw(self, context: bpy.types.Context) -> None:
         ob = context.object

@@ -6,12 +6,11 @@ from typing import ClassVar
 
 import bpy
 
+from .modifier_tab import ModifierTab
 
-class TURGOR_PT_engine_missing(bpy.types.Panel):
+
+class TURGOR_PT_engine_missing(ModifierTab, bpy.types.Panel):
     bl_label = "Turgor Volume"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "modifier"
 
     problem: ClassVar[str] = ""
 

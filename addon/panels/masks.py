@@ -4,20 +4,12 @@ from __future__ import annotations
 
 import bpy
 
-from .volume import PARENT_PANEL, has_volume
+from .volume import VolumeSubpanel
 
 
-class TURGOR_PT_masks(bpy.types.Panel):
+class TURGOR_PT_masks(VolumeSubpanel, bpy.types.Panel):
     bl_label = "Masks"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "modifier"
-    bl_parent_id = PARENT_PANEL
     bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return has_volume(context.object)
 
     def draw(self, context: bpy.types.Context) -> None:
         ob = context.object

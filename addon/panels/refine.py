@@ -6,21 +6,13 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from .. import runtime
-from .volume import PARENT_PANEL, has_volume
+from .volume import VolumeSubpanel
 
 
-class TURGOR_PT_refine(bpy.types.Panel):
+class TURGOR_PT_refine(VolumeSubpanel, bpy.types.Panel):
     bl_label = "Refine"
     bl_idname = "TURGOR_PT_refine"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "modifier"
-    bl_parent_id = PARENT_PANEL
     bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return has_volume(context.object)
 
     def draw(self, context: bpy.types.Context) -> None:
         ob = context.object

@@ -8,6 +8,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from .. import runtime
 from ..messages import signed_percent
 from .diagnostics import draw_findings
+from .modifier_tab import ModifierTab
 from .state import draw_timing
 
 PARENT_PANEL = "TURGOR_PT_spine"
@@ -16,12 +17,9 @@ BLEND_NAMES = ("Radial", "Normal", "Binormal")
 VISIBLE_PERCENT = 0.005
 
 
-class TURGOR_PT_spine(bpy.types.Panel):
+class TURGOR_PT_spine(ModifierTab, bpy.types.Panel):
     bl_label = "Turgor Spine"
     bl_idname = PARENT_PANEL
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "modifier"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -36,11 +34,8 @@ class TURGOR_PT_spine(bpy.types.Panel):
         _draw_flesh(self.layout, ob)
 
 
-class TURGOR_PT_spine_settings(bpy.types.Panel):
+class TURGOR_PT_spine_settings(ModifierTab, bpy.types.Panel):
     bl_label = "Reach and Rest"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "modifier"
     bl_parent_id = PARENT_PANEL
     bl_options = {"DEFAULT_CLOSED"}
 

@@ -11,18 +11,16 @@ from .before_after import draw_before_after, is_after
 from .diagnostics import draw_findings
 from .joint import draw_joint
 from .joints import draw_joints
+from .modifier_tab import ModifierTab
 
 PARENT_PANEL = "TURGOR_PT_volume"
 # An error from here on is rounded as roughly as that of plain skinning.
 VISIBLE_PERCENT = 0.005
 
 
-class TURGOR_PT_volume(bpy.types.Panel):
+class TURGOR_PT_volume(ModifierTab, bpy.types.Panel):
     bl_label = "Turgor Volume"
     bl_idname = PARENT_PANEL
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "modifier"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -44,16 +42,18 @@ class TURGOR_PT_volume(bpy.types.Panel):
         draw_joint(self.layout, ob)
 
 
-class TURGOR_PT_settings(bpy.types.Panel):
-    bl_label = "Settings"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "modifier"
+class VolumeSubpanel(ModifierTab):
+    """Below Turgor Volume, once a mesh has it."""
+
     bl_parent_id = PARENT_PANEL
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         return has_volume(context.object)
+
+
+class TURGOR_PT_settings(VolumeSubpanel, bpy.types.Panel):
+    bl_label = "Settings"
 
     def draw(self, context: bpy.types.Context) -> None:
         ob = context.object
