@@ -1,5 +1,7 @@
 //! What a bound character is made of: everything that does not change from frame to frame, nor with the artist's settings.
 
+use std::sync::{Arc, OnceLock};
+
 use glam::{DAffine3, DVec3};
 
 use crate::csr::Csr;
@@ -7,7 +9,8 @@ use crate::error::{Error, Result};
 use crate::joint::Joint;
 use crate::lanes::{self, V4};
 use crate::motions::Motions;
-use crate::patches::Patches;
+use crate::patches::{NO_SLOT, Patches};
+use crate::repair::Skin;
 use crate::sites::Sites;
 use crate::skeleton::JointTree;
 use crate::skinning::{Influences, Skinning};
@@ -39,7 +42,12 @@ pub(crate) struct Binding {
     /// Largest distance from the centre, armature space.
     pub size: f64,
     pub bone_count: usize,
+    /// Points of no sound component, with each of their vertices, in order.
+    pub unsound: Vec<(u32, u32)>,
     armature_from_rest: DAffine3,
+    given_faces: Arc<Csr<u32>>,
+    /// Made when folds are repaired for the first time.
+    skin: OnceLock<Skin>,
 }
 
 impl Binding {
@@ -82,6 +90,9 @@ impl Binding {
             motions: Motions::new(tree, skinning.skeleton.rest(), skinning.mode),
             shape_deltas: deltas_of_sites,
             bone_count: skinning.skeleton.len(),
+            unsound: unsound(topology, &patches),
+            given_faces: Arc::clone(&topology.given_faces),
+            skin: OnceLock::new(),
             patches,
             sites,
             rest_centre,
@@ -112,6 +123,29 @@ impl Binding {
         Supports::new(&self.patches, &self.sites, &self.motions.tree, &self.plan.jobs, &rest, &self.inverse_areas, settings)
     }
 
+    /// What can pass through what.
+    pub fn skin(&self) -> &Skin {
+        self.skin.get_or_init(|| {
+            let rest = |site: usize| self.sites.rest[site];
+            Skin::new(
+                &self.given_faces,
+                &self.points(|slot| self.sites.mean(slot, rest), |vertex| rest(self.sites.site_of_vertex[vertex] as usize)),
+            )
+        })
+    }
+
+    /// Anything per point: of the slots of sound components, the mean over the vertices of others.
+    pub fn points(&self, of_slot: impl Fn(usize) -> V4, of_vertex: impl Fn(usize) -> V4) -> Vec<DVec3> {
+        let slots = self.patches.slot_of_point.iter();
+        let mut points: Vec<DVec3> =
+            slots.map(|&slot| if slot == NO_SLOT { DVec3::ZERO } else { lanes::to(of_slot(slot as usize)) }).collect();
+        for twins in self.unsound.chunk_by(|a, b| a.0 == b.0) {
+            let sum: DVec3 = twins.iter().map(|&(_, vertex)| lanes::to(of_vertex(vertex as usize))).sum();
+            points[twins[0].0 as usize] = sum / twins.len() as f64;
+        }
+        points
+    }
+
     /// Rest position per site with shape keys mixed in.
     pub fn mix_shapes(&self, values: &[f64], rest: &mut [V4]) {
         rest.copy_from_slice(&self.sites.rest);
@@ -130,7 +164,15 @@ impl Binding {
             + self.shape_deltas.iter().map(|d| size_of_val(&**d)).sum::<usize>()
             + self.plan.memory_bytes()
             + size_of_val(&*self.inverse_areas)
+            + self.skin.get().map_or(0, Skin::memory_bytes)
     }
+}
+
+fn unsound(topology: &Topology, patches: &Patches) -> Vec<(u32, u32)> {
+    let of_vertices = topology.point_of_vertex.iter().copied().zip(0..);
+    let mut unsound: Vec<(u32, u32)> = of_vertices.filter(|(point, _)| patches.slot_of_point[*point as usize] == NO_SLOT).collect();
+    unsound.sort_unstable();
+    unsound
 }
 
 /// Influences renamed from bones to joints.

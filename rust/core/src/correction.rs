@@ -75,6 +75,11 @@ impl FieldFrame {
         frame
     }
 
+    /// The frame of another field of the same joint, after one that moved points by up to `displacement`.
+    pub fn after(&self, displacement: f64) -> Self {
+        Self { displacement_max: (self.displacement_max - displacement).max(0.0), ..*self }
+    }
+
     /// Parts of the volume for e0, e1, e2 and the frame-free rest, each solved on the mesh so far.
     pub fn ordered_shares(&self, hold: &Hold) -> [f64; 4] {
         let total: f64 = hold.along.iter().sum();

@@ -20,6 +20,7 @@ mod mesh;
 mod motions;
 mod patches;
 mod profile;
+mod repair;
 mod report;
 mod sites;
 mod skeleton;
@@ -45,7 +46,7 @@ pub use frame::{JointField, Pose, RefinementNeed, Workspace};
 pub use joint::{Joint, Profiles, Shares};
 pub use mesh::{Mesh, Target};
 pub use profile::Profile;
-pub use report::Report;
+pub use report::{FoldCounts, Report};
 pub use skeleton::Skeleton;
 pub use skinning::{Mode, Skinning};
 pub use spine::{

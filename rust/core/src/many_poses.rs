@@ -5,7 +5,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use crate::error::{Error, Result};
 use crate::frame::{Details, Needs, Pose, RefinementNeed, Workspace};
-use crate::report::Report;
+use crate::report::{FoldCounts, Report};
 use crate::volume_skin::VolumeSkin;
 
 /// Memory that the frames under way at one time may take.
@@ -22,11 +22,11 @@ impl VolumeSkin {
     }
 
     /// Writes what each pose makes of every vertex to `positions`, frame after frame, object space: skinned, and `effects`
-    /// of the way to corrected. The same bits as `deform` one by one.
+    /// of the way to corrected. The same bits as `deform` one by one. Returns how folds were repaired, frame by frame.
     ///
     /// # Errors
     /// As `deform`, of the first pose that is refused; `effects` or `positions` of another length.
-    pub fn deform_many(&self, poses: &[Pose], effects: &[f64], positions: &mut [[f32; 3]]) -> Result<()> {
+    pub fn deform_many(&self, poses: &[Pose], effects: &[f64], positions: &mut [[f32; 3]]) -> Result<Vec<FoldCounts>> {
         let (frames, vertices) = (poses.len(), self.vertex_count());
         if effects.len() != frames {
             return Err(Error::Length { what: "effect", found: effects.len(), needed: frames });
@@ -44,9 +44,10 @@ impl VolumeSkin {
                 let mut row = row.lock().unwrap_or_else(PoisonError::into_inner);
                 self.write_positions(workspace, offsets, effects[frame], &mut row);
             }
+            workspace.report.fold_counts()
         };
         let deform = |pose: &Pose, workspace: &mut Workspace, offsets: &mut [[f32; 3]]| self.deform(pose, workspace, offsets).map(drop);
-        self.side_by_side(poses, deform, write).map(drop)
+        self.side_by_side(poses, deform, write)
     }
 
     /// Where all of these poses together ask for more vertices; their order does not matter.

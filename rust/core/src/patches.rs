@@ -138,6 +138,11 @@ impl Patches {
         self.slot_offsets.last().map_or(0, |&end| end as usize)
     }
 
+    /// Component of the point in a slot.
+    pub fn component_of_slot(&self, slot: usize) -> u32 {
+        self.list[self.slot_offsets.partition_point(|&start| start as usize <= slot) - 1].component
+    }
+
     /// Values that patches leave for each other.
     pub fn patch_source_count(&self) -> usize {
         self.source_offsets.last().map_or(0, |&end| end as usize)

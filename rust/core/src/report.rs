@@ -23,9 +23,31 @@ pub struct Report {
     pub seam_gap: f64,
     /// Largest correction of a vertex, object space.
     pub max_displacement: f64,
+    /// Where folds are repaired: pairs of triangles that the correction alone makes pass through each other.
+    pub folds_found: usize,
+    /// Those of them, and of new ones, that are left.
+    pub folds_left: usize,
+    /// Vertices that were backed off and held, in order.
+    pub blocked_vertices: Vec<u32>,
+}
+
+/// Folds of one frame, as in its `Report`.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct FoldCounts {
+    /// Pairs of triangles before repair.
+    pub found: usize,
+    /// Pairs after it.
+    pub left: usize,
+    /// Vertices held.
+    pub blocked: usize,
 }
 
 impl Report {
+    /// How many folds there were and are.
+    pub fn fold_counts(&self) -> FoldCounts {
+        FoldCounts { found: self.folds_found, left: self.folds_left, blocked: self.blocked_vertices.len() }
+    }
+
     pub(crate) fn new(component_count: usize, joint_count: usize) -> Self {
         Self {
             skinned_volumes: vec![0.0; component_count],
@@ -38,6 +60,9 @@ impl Report {
             joint_is_capped: vec![false; joint_count],
             seam_gap: 0.0,
             max_displacement: 0.0,
+            folds_found: 0,
+            folds_left: 0,
+            blocked_vertices: Vec::new(),
         }
     }
 

@@ -1,6 +1,7 @@
 //! The closed oriented surfaces of a mesh: points welded, shells separated, windings agreed, openings capped.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -69,6 +70,8 @@ pub struct Topology {
     pub faces: Csr<u32>,
     /// Component of each of `faces`.
     pub component_of_face: Vec<u32>,
+    /// Faces of all shells, sound or not, as points in the order of the mesh; without caps, and as they came.
+    pub(crate) given_faces: Arc<Csr<u32>>,
     /// Component of each point; `NO_COMPONENT` for a loose one.
     pub component_of_point: Vec<u32>,
     /// All shells, sound or not.
@@ -101,6 +104,7 @@ impl Topology {
             + self.vertices_of_point.memory_bytes()
             + self.faces.memory_bytes()
             + size_of_val(&*self.component_of_face)
+            + self.given_faces.memory_bytes()
             + size_of_val(&*self.component_of_point)
     }
 
@@ -339,6 +343,10 @@ impl Surface {
     }
 
     fn into_topology(mut self, vertex_count: usize, welding: Welding, points: &[DVec3]) -> Topology {
+        let mut given_faces = Csr::default();
+        for face in self.faces.iter().filter(|face| face.len() > 2) {
+            given_faces.push_row(face.iter().copied());
+        }
         let caps = self.caps();
         let mut areas = vec![(0.0, 0.0); self.component_count];
         let mut volumes = vec![0.0; self.component_count];
@@ -406,6 +414,7 @@ impl Surface {
             point_count: welding.point_count,
             faces,
             component_of_face,
+            given_faces: Arc::new(given_faces),
             component_of_point,
             components,
         }

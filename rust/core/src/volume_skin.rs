@@ -212,6 +212,7 @@ impl VolumeSkin {
             workspace.give_back_in_order(binding, supports, settings);
         }
         workspace.remove_residual(binding, supports, settings);
+        workspace.repair_folds(binding, supports, settings, pose.repair_folds);
         workspace.write_offsets(binding, offsets);
         workspace.fill_report(binding);
     }

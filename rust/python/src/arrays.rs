@@ -124,6 +124,22 @@ pub fn with_rows_mut<T>(array: &Bound<'_, PyAny>, what: &str, write: impl FnOnce
     write(rows)
 }
 
+/// Hands the numbers of an int32 array of this shape to `write`, in place.
+pub fn with_numbers_mut<T>(
+    array: &Bound<'_, PyAny>,
+    what: &str,
+    shape: (usize, usize),
+    write: impl FnOnce(&mut [i32]) -> PyResult<T>,
+) -> PyResult<T> {
+    let needed = format!("{what}: need a writable C-contiguous int32 array {shape:?}");
+    let array = array.cast::<PyArray2<i32>>().map_err(|_| TurgorError::new_err(format!("{needed}, got {}", array.get_type())))?;
+    if array.shape() != [shape.0, shape.1] || !array.is_c_contiguous() {
+        return Err(TurgorError::new_err(format!("{needed}, got shape {:?}", array.shape())));
+    }
+    let mut view = array.try_readwrite().map_err(|error| TurgorError::new_err(format!("{needed}: {error}")))?;
+    write(view.as_slice_mut()?)
+}
+
 pub fn indices(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<i32>> {
     read(value, what, "int32", "(N,)", |shape| shape.len() == 1)
 }

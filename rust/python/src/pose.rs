@@ -15,6 +15,7 @@ pub struct PoseData {
     target_scale: f64,
     added_offsets: Option<Vec<[f32; 3]>>,
     is_fleshed: Option<Vec<bool>>,
+    repair_folds: bool,
 }
 
 impl PoseData {
@@ -27,6 +28,7 @@ impl PoseData {
         target_scale: f64,
         added_offsets: Option<&Bound<'_, PyAny>>,
         fleshed: Option<Vec<bool>>,
+        repair_folds: bool,
     ) -> PyResult<Self> {
         Ok(Self {
             matrices: arrays::matrices(pose_matrices, "pose_matrices")?,
@@ -36,6 +38,7 @@ impl PoseData {
             target_scale,
             added_offsets: added_offsets.map(|o| arrays::float_rows(o, "added_offsets")).transpose()?,
             is_fleshed: fleshed,
+            repair_folds,
         })
     }
 
@@ -48,6 +51,7 @@ impl PoseData {
             strengths: self.strengths.as_deref(),
             added_offsets: self.added_offsets.as_deref(),
             is_fleshed: self.is_fleshed.as_deref(),
+            repair_folds: self.repair_folds,
         }
     }
 }

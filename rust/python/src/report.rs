@@ -97,6 +97,22 @@ impl Report {
     }
 
     #[getter]
+    fn folds_found(&self) -> usize {
+        self.inner.folds_found
+    }
+
+    #[getter]
+    fn folds_left(&self) -> usize {
+        self.inner.folds_left
+    }
+
+    #[getter]
+    fn blocked_vertices<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i32>> {
+        let vertices: Vec<i32> = self.inner.blocked_vertices.iter().map(|&vertex| vertex as i32).collect();
+        arrays::from_numbers(py, &vertices)
+    }
+
+    #[getter]
     fn relative_error(&self) -> f64 {
         self.inner.relative_error()
     }

@@ -138,7 +138,7 @@ impl VolumeSkin {
         Ok(Self { inner, mesh: Arc::clone(&self.mesh), workspaces: Arc::clone(&self.workspaces) })
     }
 
-    #[pyo3(signature = (pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None))]
+    #[pyo3(signature = (pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None, repair_folds=false))]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn deform(
         &self,
@@ -150,8 +150,18 @@ impl VolumeSkin {
         target_scale: f64,
         added_offsets: Option<&Bound<'_, PyAny>>,
         fleshed: Option<Vec<bool>>,
+        repair_folds: bool,
     ) -> PyResult<Frame> {
-        let pose = PoseData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale, added_offsets, fleshed)?;
+        let pose = PoseData::read(
+            pose_matrices,
+            object_from_armature,
+            shape_values,
+            strengths,
+            target_scale,
+            added_offsets,
+            fleshed,
+            repair_folds,
+        )?;
         let mut offsets = vec![[0.0; 3]; self.mesh.rest().len()];
         let (report, (skinned, positions)) = self.in_workspace(py, |workspace| {
             let report = self.inner.deform(&pose.pose(), workspace, &mut offsets)?.clone();
@@ -160,7 +170,7 @@ impl VolumeSkin {
         Ok(Frame { positions, skinned, offsets, report })
     }
 
-    #[pyo3(signature = (offsets, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None))]
+    #[pyo3(signature = (offsets, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None, repair_folds=false))]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn deform_into(
         &self,
@@ -173,15 +183,25 @@ impl VolumeSkin {
         target_scale: f64,
         added_offsets: Option<&Bound<'_, PyAny>>,
         fleshed: Option<Vec<bool>>,
+        repair_folds: bool,
     ) -> PyResult<Report> {
-        let pose = PoseData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale, added_offsets, fleshed)?;
+        let pose = PoseData::read(
+            pose_matrices,
+            object_from_armature,
+            shape_values,
+            strengths,
+            target_scale,
+            added_offsets,
+            fleshed,
+            repair_folds,
+        )?;
         arrays::with_rows_mut(offsets, "offsets", |rows| {
             self.check_rows(rows.len())?;
             self.write(py, &pose, rows)
         })
     }
 
-    #[pyo3(signature = (offsets_address, vertex_count, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None))]
+    #[pyo3(signature = (offsets_address, vertex_count, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None, repair_folds=false))]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn deform_into_address(
         &self,
@@ -195,8 +215,18 @@ impl VolumeSkin {
         target_scale: f64,
         added_offsets: Option<&Bound<'_, PyAny>>,
         fleshed: Option<Vec<bool>>,
+        repair_folds: bool,
     ) -> PyResult<Report> {
-        let pose = PoseData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale, added_offsets, fleshed)?;
+        let pose = PoseData::read(
+            pose_matrices,
+            object_from_armature,
+            shape_values,
+            strengths,
+            target_scale,
+            added_offsets,
+            fleshed,
+            repair_folds,
+        )?;
         self.check_rows(vertex_count)?;
         if vertex_count == 0 {
             return self.write(py, &pose, &mut []);
@@ -226,7 +256,8 @@ impl VolumeSkin {
         fleshed: Option<Vec<bool>>,
     ) -> PyResult<JointField> {
         let bone = bone_index(bone)?;
-        let pose = PoseData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale, added_offsets, fleshed)?;
+        let pose =
+            PoseData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale, added_offsets, fleshed, false)?;
         let inner = self.in_workspace(py, |workspace| self.inner.joint_field(bone, &pose.pose(), workspace))?;
         Ok(JointField { inner })
     }
@@ -278,8 +309,8 @@ impl VolumeSkin {
     }
 
     #[pyo3(
-        signature = (pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=None, effect=None),
-        text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, effect=1.0)"
+        signature = (pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=None, effect=None, repair_folds=false, fold_counts=None),
+        text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, effect=1.0, repair_folds=False, fold_counts=None)"
     )]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn deform_many<'py>(
@@ -291,14 +322,28 @@ impl VolumeSkin {
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: Option<&Bound<'_, PyAny>>,
         effect: Option<&Bound<'_, PyAny>>,
+        repair_folds: bool,
+        fold_counts: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray3<f32>>> {
         let data = PosesData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale)?;
-        let poses = data.poses();
+        let mut poses = data.poses();
+        for pose in &mut poses {
+            pose.repair_folds = repair_folds;
+        }
         let per_frame = PerFrame::numbers(effect, "effect", poses.len())?;
         let effects: Vec<f64> = (0..poses.len()).map(|frame| per_frame.of(frame)[0]).collect();
         let vertices = self.mesh.rest().len();
         let mut positions = vec![[0.0; 3]; poses.len() * vertices];
-        py.detach(|| self.inner.deform_many(&poses, &effects, &mut positions)).map_err(refused)?;
+        let mut write = || py.detach(|| self.inner.deform_many(&poses, &effects, &mut positions)).map_err(refused);
+        match fold_counts {
+            None => drop(write()?),
+            Some(counts) => arrays::with_numbers_mut(counts, "fold_counts", (poses.len(), 3), |rows| {
+                for (row, folds) in rows.chunks_exact_mut(3).zip(write()?) {
+                    row.copy_from_slice(&[folds.found, folds.left, folds.blocked].map(|count| count as i32));
+                }
+                Ok(())
+            })?,
+        }
         Ok(arrays::from_frames(py, positions, poses.len(), vertices))
     }
 }

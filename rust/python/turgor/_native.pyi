@@ -254,6 +254,7 @@ class VolumeSkin:
         target_scale: float = 1.0,
         added_offsets: ArrayLike | None = None,
         fleshed: Sequence[bool] | None = None,
+        repair_folds: bool = False,
     ) -> Frame:
         """Skin and correct one frame. Arguments as in `Skinning.deform`.
 
@@ -261,7 +262,15 @@ class VolumeSkin:
         target_scale: factor on the target volume (breathing).
         added_offsets: (N, 3) float32, object space: what another deformer adds to the skin before its volume is looked
         at; `Frame.skinned` has it. fleshed: (B,) bones whose flesh that deformer moves: what skinning loses at their
-        joints is not missing. Raises TurgorError for a pose that is not finite, wrong
+        joints is not missing.
+
+        repair_folds: a *fold* is a pair of triangles that pass through each other when corrected, and did not when
+        skinned; quads are cut from their first corner to the third, larger faces by their ears. Vertices of folds back
+        off along their displacement until there is none, and stand there while the volume comes back elsewhere. The
+        exact volume goes before folds: where both cannot be had, the result is the exact one with the fewest folds,
+        and `Report.folds_left` counts them. Without folds the result is the same to the last bit.
+
+        Raises TurgorError for a pose that is not finite, wrong
         shapes, or an object matrix without inverse. Releases the GIL.
         """
     def deform_into(
@@ -275,6 +284,7 @@ class VolumeSkin:
         target_scale: float = 1.0,
         added_offsets: ArrayLike | None = None,
         fleshed: Sequence[bool] | None = None,
+        repair_folds: bool = False,
     ) -> Report:
         """As `deform`, writing corrected - skinned into `offsets`, (N, 3) float32 C-contiguous; allocates no array."""
     def deform_into_address(
@@ -289,6 +299,7 @@ class VolumeSkin:
         target_scale: float = 1.0,
         added_offsets: ArrayLike | None = None,
         fleshed: Sequence[bool] | None = None,
+        repair_folds: bool = False,
     ) -> Report:
         """As `deform_into`, at a raw address of vertex_count * 3 floats that the caller keeps alive."""
     def joint_field(
@@ -330,11 +341,14 @@ class VolumeSkin:
         strengths: ArrayLike | None = None,
         target_scale: float | ArrayLike = 1.0,
         effect: float | ArrayLike = 1.0,
+        repair_folds: bool = False,
+        fold_counts: NDArray[np.int32] | None = None,
     ) -> NDArray[np.float32]:
         """(F, N, 3) positions of many poses, object space, many at once: the same bits as of one by one.
 
-        effect: part of the way from skinned to corrected, one number or (F,). The others as in `measure`: hand in so
-        many frames at a time as memory allows.
+        effect: part of the way from skinned to corrected, one number or (F,). repair_folds: as in `deform`, at
+        full effect. fold_counts: (F, 3) int32 C-contiguous, to be filled: folds found, folds left, vertices blocked.
+        The others as in `measure`: hand in so many frames at a time as memory allows.
         """
 
     def refinement_need(
@@ -422,6 +436,15 @@ class Report:
     @property
     def max_displacement(self) -> float:
         """Largest |corrected - skinned|, object space."""
+    @property
+    def folds_found(self) -> int:
+        """Folds of the correction before repair, see `VolumeSkin.deform`; 0 where they were not looked for."""
+    @property
+    def folds_left(self) -> int:
+        """Folds after repair; 0 where it succeeded."""
+    @property
+    def blocked_vertices(self) -> NDArray[np.int32]:
+        """(M,) vertices that backed off and were held, rising."""
     @property
     def relative_error(self) -> float:
         """Largest |corrected - target| / |target| over sound components that are not pinned."""

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::again::Again;
 use super::scratch::{Scratch, with_scratch};
 use super::{JobState, Workspace, in_single_precision, ragged};
 use crate::binding::Binding;
@@ -22,15 +23,21 @@ pub(super) enum Pass<'a> {
     Some(&'a [usize]),
     /// None: only the field of the whole shell.
     Shell,
+    /// All of the components that are solved again, with heights as they are.
+    Again(&'a Again),
 }
 
 impl Pass<'_> {
     fn concerns(self, job: usize) -> bool {
         match self {
-            Self::All => true,
+            Self::All | Self::Again(_) => true,
             Self::Shell => false,
             Self::Some(jobs) => jobs.contains(&job),
         }
+    }
+
+    pub(super) fn passes_over(self, component: u32) -> bool {
+        matches!(self, Self::Again(again) if !again.concerns[component as usize])
     }
 }
 
@@ -38,7 +45,7 @@ impl Workspace {
     /// Displacements by all fields at once, and the field of the residual: the same with every joint giving, none taking.
     pub(crate) fn give_back(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
         self.hold(binding, supports, settings, Pass::All);
-        self.solve(binding);
+        self.solve(binding, Pass::All);
         self.add_fields(
             binding,
             supports,
@@ -63,8 +70,11 @@ impl Workspace {
                 &mut *self.patches,
             ),
             &|index, (gradient, profiled, holds, sums)| {
+                let patch = &patches.list[index];
+                if pass.passes_over(patch.component) {
+                    return;
+                }
                 with_scratch(|scratch| {
-                    let patch = &patches.list[index];
                     let Scratch { first, fields: FieldRows { directions, volumes, lengths, unmasked, bell }, .. } = scratch;
                     let slots = patch.start..patches.slot_offsets[index + 1] as usize;
                     let mut gradient = gradient.map(|row| row.values);
@@ -110,12 +120,12 @@ impl Workspace {
                 });
             },
         );
-        for (index, job) in self.jobs.iter_mut().enumerate().filter(|(index, _)| pass.concerns(*index)) {
-            debug_assert!(index < binding.plan.jobs.len());
+        let concerns = |job: usize| pass.concerns(job) && !pass.passes_over(binding.plan.jobs[job].component);
+        for (_, job) in self.jobs.iter_mut().enumerate().filter(|(index, _)| concerns(*index)) {
             job.hold = Hold::default();
         }
         for (&job, hold) in supports.jobs_of_patch.values().iter().zip(&self.holds) {
-            if pass.concerns(job as usize) {
+            if concerns(job as usize) {
                 self.jobs[job as usize].hold.join(hold, binding.area_unit);
             }
         }
@@ -128,8 +138,8 @@ impl Workspace {
     }
 
     /// How much of each field.
-    fn solve(&mut self, binding: &Binding) {
-        for (state, job) in self.jobs.iter_mut().zip(&binding.plan.jobs) {
+    pub(super) fn solve(&mut self, binding: &Binding, pass: Pass) {
+        for (state, job) in self.jobs.iter_mut().zip(&binding.plan.jobs).filter(|(_, job)| !pass.passes_over(job.component)) {
             let component = &mut self.components[job.component as usize];
             if !state.frame.is_active {
                 component.wide += state.volume;
@@ -139,7 +149,7 @@ impl Workspace {
             component.wide += state.volume - field.volume;
             state.take(field);
         }
-        for state in &mut self.components {
+        for (_, state) in (0..).zip(&mut self.components).filter(|(component, _)| !pass.passes_over(*component)) {
             if state.wide_hold > 0.0 {
                 state.wide_field = in_single_precision(state.wide / state.wide_hold);
                 state.wide_residual = in_single_precision((state.floor + state.wide.abs()) / state.wide_hold);
@@ -160,8 +170,11 @@ impl Workspace {
         let (gradient, places, profiled) =
             (self.gradient.each_ref().map(|c| &**c), self.skinned.near.each_ref().map(|c| &**c), &self.profiled);
         for_each_piece(patches.list.len(), Ragged::new(&mut self.moves, &patches.slot_offsets), &|index, moves| {
+            let patch = &patches.list[index];
+            if pass.passes_over(patch.component) {
+                return;
+            }
             with_scratch(|scratch| {
-                let patch = &patches.list[index];
                 let slots = patch.start..patches.slot_offsets[index + 1] as usize;
                 let (gradient, places) = (gradient.map(|row| &row[slots.clone()]), places.map(|row| &row[slots.clone()]));
                 let areas = &binding.inverse_areas[slots.clone()];

@@ -1,12 +1,14 @@
 //! One frame: pose, skin, losses, fields, residual. Buffers are made once; nothing is allocated and nothing is remembered.
 
 mod added;
+mod again;
 mod give_back;
 mod in_order;
 mod joint_field;
 mod offsets;
 mod one_direction;
 mod refinement;
+mod repair;
 mod residual;
 mod scratch;
 mod skin;
@@ -54,6 +56,8 @@ pub struct Pose<'a> {
     pub added_offsets: Option<&'a [[f32; 3]]>,
     /// Per bone, whether that deformer moves its flesh: what skinning loses there is not missing.
     pub is_fleshed: Option<&'a [bool]>,
+    /// Whether folds of the correction are repaired.
+    pub repair_folds: bool,
 }
 
 impl<'a> Pose<'a> {
@@ -67,6 +71,7 @@ impl<'a> Pose<'a> {
             strengths: None,
             added_offsets: None,
             is_fleshed: None,
+            repair_folds: false,
         }
     }
 }

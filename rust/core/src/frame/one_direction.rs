@@ -4,6 +4,7 @@
 
 use glam::{DMat3, DVec3};
 
+use super::give_back::Pass;
 use super::scratch::{Scratch, with_scratch};
 use super::{Workspace, in_single_precision};
 use crate::binding::Binding;
@@ -11,11 +12,11 @@ use crate::fields::{self, Move};
 
 impl Workspace {
     /// Instead of all fields, in components that need it: one step along the direction in which most can be done.
-    pub(super) fn move_along_one_direction(&mut self, binding: &Binding) {
+    pub(super) fn move_along_one_direction(&mut self, binding: &Binding, pass: Pass) {
         let patches = &binding.patches;
         for component in 0..self.components.len() {
             let state = self.components[component];
-            if !state.is_straight {
+            if !state.is_straight || pass.passes_over(component as u32) {
                 continue;
             }
             let mine = || patches.list.iter().enumerate().filter(|(_, patch)| patch.component as usize == component);
@@ -26,12 +27,14 @@ impl Workspace {
                 });
             }
             let e = main_direction(&hold);
-            let scale = in_single_precision((state.target - state.skinned) / (e.dot(hold * e) * binding.area_unit));
+            let gap = if let Pass::Again(again) = pass { again.gaps[component] } else { state.target - state.skinned };
+            let scale = in_single_precision(gap / (e.dot(hold * e) * binding.area_unit));
             let mut moves = std::mem::take(&mut self.moves);
             for (index, _) in mine() {
                 self.visit_directions(binding, index, |slot, weight, _, direction| {
                     let residual = (e * (direction.dot(e) * weight * scale)).as_vec3().extend(0.0).to_array();
-                    moves[slot] = Move { by: [0.0; 4], residual };
+                    let by = if let Pass::Again(again) = pass { again.moves[slot].by } else { [0.0; 4] };
+                    moves[slot] = Move { by, residual };
                 });
             }
             self.moves = moves;

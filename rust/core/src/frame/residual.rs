@@ -5,7 +5,7 @@ use fearless_simd::{Level, Simd, dispatch, f32x8, f64x4};
 
 use super::give_back::Pass;
 use super::scratch::{Scratch, with_scratch};
-use super::{Places, Workspace, widened};
+use super::{ComponentState, Places, Workspace, widened};
 use crate::binding::Binding;
 use crate::fields::Move;
 use crate::joint::Joint;
@@ -28,26 +28,39 @@ const SUMMIT_ERROR: f64 = 1e-13;
 impl Workspace {
     /// Steps along the residual's field until every component has its target, by the exact cubic.
     pub(crate) fn remove_residual(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
-        self.find_steps(binding);
+        self.remove_residual_of(binding, supports, settings, Pass::All);
+    }
+
+    pub(super) fn remove_residual_of(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pass: Pass) {
+        self.find_steps(binding, pass);
         if self.components.iter().any(|state| state.is_wide_only) {
             // Fields that fight each other, or far too little skin: the whole shell takes what is left.
             self.add_fields(
                 binding,
                 supports,
                 settings,
-                Pass::All,
+                pass,
                 #[inline(always)]
                 |old, new| old.residual = new.residual,
             );
-            self.find_steps(binding);
+            self.find_steps(binding, pass);
         }
         if self.components.iter().any(|state| state.is_straight) {
-            self.move_along_one_direction(binding);
-            self.find_steps(binding);
+            self.move_along_one_direction(binding, pass);
+            self.find_steps(binding, pass);
         }
     }
 
-    fn find_steps(&mut self, binding: &Binding) {
+    fn find_steps(&mut self, binding: &Binding, pass: Pass) {
+        self.sweep_cubics(binding);
+        let is_masked = self.mask.is_some();
+        for (_, state) in (0..).zip(&mut self.components).filter(|(component, _)| !pass.passes_over(*component)) {
+            state.find_step(is_masked);
+        }
+    }
+
+    /// V(P + tR) of every component, P the points as moved so far and R the residual's field.
+    pub(super) fn sweep_cubics(&mut self, binding: &Binding) {
         let level = Level::new();
         let patches = &binding.patches;
         let (skinned, moves) = (&self.skinned, &self.moves);
@@ -67,32 +80,36 @@ impl Workspace {
             });
             self.components[giant.component as usize].cubic.join(&polygon_cubic(corners));
         }
-        let is_masked = self.mask.is_some();
-        for state in &mut self.components {
-            let gap = state.target - state.cubic.0[0];
-            let is_near = gap.abs() <= RESIDUAL_DONE * state.target.abs();
-            let root = if is_near { Some(0.0) } else { state.cubic.root_nearest_zero(state.target) };
-            let may_give_up = is_masked && !state.is_straight;
-            // What a step of the shell adds by the slope at the skinned surface, against what is to be given back.
-            let worth = |step: f64| step.abs() * (state.floor + state.wide.abs());
-            let whole = state.spread + (state.target - state.skinned).abs();
-            let is_exact = |step: f64| (state.cubic.at(step) - state.target).abs() <= SUMMIT_ERROR * state.target.abs();
-            let is_within = |step: f64| {
-                if state.is_wide_only { !may_give_up || worth(step) <= BENT_MAX * whole } else { step.abs() <= RESIDUAL_STEP_MAX }
-            };
-            let is_meant = |step: f64| is_within(step) && (!may_give_up || is_exact(step));
-            match root.filter(|&step| is_meant(step)) {
-                Some(step) => state.step = step,
-                None if !state.is_wide_only => state.is_wide_only = true,
-                None if may_give_up && state.wide_hold > 0.0 => state.is_straight = true,
-                None if state.cubic.0[0].is_finite() => state.step = 0.0,
-                // Beyond all numbers: as skinned.
-                None => state.step = f64::NAN,
-            }
-            state.corrected = if state.step == 0.0 { state.cubic.0[0] } else { state.cubic.at(state.step) };
-            if state.step.is_nan() {
-                state.corrected = state.skinned;
-            }
+    }
+}
+
+impl ComponentState {
+    /// Finds the step along the residual's field, or whose field it must be instead.
+    fn find_step(&mut self, is_masked: bool) {
+        let state = self;
+        let gap = state.target - state.cubic.0[0];
+        let is_near = gap.abs() <= RESIDUAL_DONE * state.target.abs();
+        let root = if is_near { Some(0.0) } else { state.cubic.root_nearest_zero(state.target) };
+        let may_give_up = is_masked && !state.is_straight;
+        // What a step of the shell adds by the slope at the skinned surface, against what is to be given back.
+        let worth = |step: f64| step.abs() * (state.floor + state.wide.abs());
+        let whole = state.spread + (state.target - state.skinned).abs();
+        let is_exact = |step: f64| (state.cubic.at(step) - state.target).abs() <= SUMMIT_ERROR * state.target.abs();
+        let is_within = |step: f64| {
+            if state.is_wide_only { !may_give_up || worth(step) <= BENT_MAX * whole } else { step.abs() <= RESIDUAL_STEP_MAX }
+        };
+        let is_meant = |step: f64| is_within(step) && (!may_give_up || is_exact(step));
+        match root.filter(|&step| is_meant(step)) {
+            Some(step) => state.step = step,
+            None if !state.is_wide_only => state.is_wide_only = true,
+            None if may_give_up && state.wide_hold > 0.0 => state.is_straight = true,
+            None if state.cubic.0[0].is_finite() => state.step = 0.0,
+            // Beyond all numbers: as skinned.
+            None => state.step = f64::NAN,
+        }
+        state.corrected = if state.step == 0.0 { state.cubic.0[0] } else { state.cubic.at(state.step) };
+        if state.step.is_nan() {
+            state.corrected = state.skinned;
         }
     }
 }

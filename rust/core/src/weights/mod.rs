@@ -23,6 +23,7 @@ use glam::DVec3;
 
 pub use lattice::Plane;
 pub use limits::WeightRows;
+pub(crate) use polygons::ears;
 pub use skin::Surface;
 
 use crate::error::{Error, Result, check_finite, check_indices, check_offsets};

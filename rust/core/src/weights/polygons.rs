@@ -20,12 +20,14 @@ pub fn cut(corners: &[DVec3]) -> Cut {
     let mean = corners.iter().sum::<DVec3>() / corners.len() as f64;
     let side = |i: usize| (corners[i] - mean).cross(corners[(i + 1) % corners.len()] - mean);
     let area: DVec3 = (0..corners.len()).map(side).sum();
-    if (0..corners.len()).all(|i| side(i).dot(area) >= 0.0) { Cut::Fan(mean) } else { Cut::Ears(ears(corners, area)) }
+    if (0..corners.len()).all(|i| side(i).dot(area) >= 0.0) { Cut::Fan(mean) } else { Cut::Ears(ears(corners)) }
 }
 
 /// Cuts off, one after the other, the corner whose cut is shortest among those that leave no corner behind, the first one
 /// of those alike: a mirrored face is cut alike.
-fn ears(corners: &[DVec3], area: DVec3) -> Vec<[usize; 3]> {
+pub(crate) fn ears(corners: &[DVec3]) -> Vec<[usize; 3]> {
+    let mean = corners.iter().sum::<DVec3>() / corners.len() as f64;
+    let area: DVec3 = (0..corners.len()).map(|i| (corners[i] - mean).cross(corners[(i + 1) % corners.len()] - mean)).sum();
     let mut left: Vec<usize> = (0..corners.len()).collect();
     let mut triangles = Vec::with_capacity(corners.len() - 2);
     // Corners in a row are on the line, whatever rounding says.
