@@ -27,12 +27,22 @@ class JointFigures:
 
 
 @dataclass(frozen=True)
+class Folds:
+    """Pairs of triangles that the correction alone makes pass through each other, and vertices held against that."""
+
+    found_count: int
+    left_count: int
+    blocked_count: int
+
+
+@dataclass(frozen=True)
 class Figures:
     """One frame of a character in the viewport. Deviations in percent of the volume at full strength."""
 
     corrected_deviation: float
     skinned_deviation: float
     joints: dict[str, JointFigures]
+    folds: Folds | None = None  # where they are repaired
 
 
 @dataclass(frozen=True)

@@ -44,6 +44,9 @@ class Computing:
         by_size = min(CHUNK_FRAMES, max(CHUNK_BYTES // (POSITION_BYTES * max(self._vertex_count, 1)), 1))
         self.chunk_frames = chunk_frames if chunk_frames > 0 else by_size
         self.poses: list[Posed | None] = []
+        # (S, 3) of each chunk that is done, as `VolumeSkin.deform_many` counts folds; none where they are not repaired.
+        self.folds: list[NDArray[np.float32]] = []
+        self._fold_store = None if store is None else store.beside("folds")
         self._pending: list[Future[NDArray[np.float32]]] = []
         self._engine = ThreadPoolExecutor(1, "turgor-bake")
         self._disk = ThreadPoolExecutor(1, "turgor-write")
@@ -88,20 +91,33 @@ class Computing:
             yield len(self.poses)
 
     def _chunk(self, number: int, samples: list) -> _Chunk:
-        if self._store is None:
-            return _Chunk("", self._source.positions(samples), True)
+        counts = np.zeros((len(samples), 3), np.int32)
+        if self._store is None or self._fold_store is None:
+            return _Chunk("", self._source.positions(samples, counts), counts.astype(np.float32), True)
         name = self._source.fingerprint(samples)
-        known = self._store.find(number, name, (len(samples), self._vertex_count, 3))
-        return _Chunk(name, self._source.positions(samples) if known is None else known, known is not None)
+        folds = counts.astype(np.float32)
+        if self._source.repairs_folds:
+            folds = self._fold_store.find(number, name, counts.shape)
+        known = None if folds is None else self._store.find(number, name, (len(samples), self._vertex_count, 3))
+        if known is not None and folds is not None:
+            return _Chunk(name, known, folds, True)
+        return _Chunk(name, self._source.positions(samples, counts), counts.astype(np.float32), False)
 
     def _kept(self, number: int, made: Future[_Chunk]) -> NDArray[np.float32]:
-        name, positions, is_kept = made.result()
-        return positions if is_kept or self._store is None else self._store.put(number, name, positions)
+        name, positions, folds, is_kept = made.result()
+        if self._source.repairs_folds:
+            self.folds.append(folds)
+        if is_kept or self._store is None or self._fold_store is None:
+            return positions
+        if self._source.repairs_folds:
+            self._fold_store.put(number, name, folds)
+        return self._store.put(number, name, positions)
 
 
 class _Chunk(NamedTuple):
-    """Positions, and whether they are where they will be kept."""
+    """Positions, counts of folds, and whether both are where they will be kept."""
 
     name: str
     positions: NDArray[np.float32]
+    folds: NDArray[np.float32]
     is_kept: bool

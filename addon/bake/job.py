@@ -105,6 +105,7 @@ class Job:
                     baking.copy = None
                 raise
         baking.report.resumed_chunks = 0 if store is None else store.found_count
+        baking.report.count_folds(computing.folds)
         baking.report.seconds = perf_counter() - started
         if options.folder is not None:
             name = options.folder / f"{bpy.path.clean_name(self._target.name)}_{options.method.lower()}"
@@ -145,7 +146,7 @@ class Job:
 
     def _frames_of(self, target: bpy.types.Object) -> VolumeFrames | SpineFrames:
         if target.type == "MESH" and stack.volume_modifier(target) is not None:
-            return VolumeFrames(target)
+            return VolumeFrames(target, repair_folds=self._options.repair_folds)
         if target.type == "MESH" and spine_stack.spine_modifier(target) is not None:
             return SpineFrames(target)
         raise BakeError(f"{target.name} has neither Turgor Volume nor Turgor Spine: there is nothing to bake")

@@ -38,6 +38,8 @@ class Options:
     # Where caches, chunks and reports go; None: memory only.
     folder: Path | None = None
     verify: bool = True
+    # Repair folds on every frame, also where the character does not.
+    repair_folds: bool = False
     name: str = ""
     # Frames of a chunk; 0: by the size of the mesh.
     chunk_frames: int = 0

@@ -27,6 +27,8 @@ class Sample(NamedTuple):
 class SpineFrames:
     """A body with Turgor Spine, its own bones' Armature before it or none."""
 
+    repairs_folds = False
+
     def __init__(self, target: bpy.types.Object) -> None:
         known = runtime.spine(target.session_uid)
         if known.body is None:
@@ -79,6 +81,6 @@ class SpineFrames:
         """Of the positions themselves: sampling has computed them."""
         return fingerprint.fingerprint([sample.positions for sample in samples], self._bound.content)
 
-    def positions(self, samples: Sequence[Sample]) -> NDArray[np.float32]:
+    def positions(self, samples: Sequence[Sample], _folds: NDArray[np.int32]) -> NDArray[np.float32]:
         """(F, N, 3) after Turgor Spine, object space."""
         return np.stack([sample.positions for sample in samples])

@@ -31,7 +31,8 @@ class Sample(NamedTuple):
 class VolumeFrames:
     """A character with Turgor Volume."""
 
-    def __init__(self, target: bpy.types.Object) -> None:
+    def __init__(self, target: bpy.types.Object, *, repair_folds: bool = False) -> None:
+        """repair_folds: also where the character does not."""
         known = runtime.character(target.session_uid)
         if known.body is None:
             raise BakeError(f"{target.name}: Turgor Volume is not bound, see its panel")
@@ -45,6 +46,7 @@ class VolumeFrames:
         self.end = armature
         self.own = ours
         self.bound_frame = target.turgor.bound_frame
+        self.repairs_folds: bool = repair_folds or target.turgor.repair_folds
         self._last_test: tuple[turgor.VolumeSkin, NDArray[np.float32]] | None = None
 
     @cached_property
@@ -73,7 +75,8 @@ class VolumeFrames:
         The settings are those of the last sample. Beside it object_from_armature, (4, 4).
         """
         place = self._bound.placement
-        return self._bound.body.current_engine.deform_many(poses, object_from_armature=place), place
+        engine = self._bound.body.current_engine
+        return engine.deform_many(poses, object_from_armature=place, repair_folds=self.repairs_folds), place
 
     def samples(self, frames: NDArray[np.float64]) -> Iterator[Sample]:
         """Main thread only; the scene stays as it is."""
@@ -92,6 +95,8 @@ class VolumeFrames:
         else:
             request = live_frame.read_alike(evaluated, modifiers[self.end.name].object, self._bound, alike)
         asked = request.options
+        if self.repairs_folds:
+            asked["repair_folds"] = True
         shape_values = asked.get("shape_values", np.zeros(0, np.float32))
         posed = Posed(request.pose_matrices, asked["object_from_armature"], shape_values)
         return Sample(posed, request, strength)
@@ -122,12 +127,17 @@ class VolumeFrames:
             self._last_test = engine, engine.deform_many(poses, object_from_armature=self._bound.placement)
         return self._last_test[1]
 
-    def positions(self, samples: Sequence[Sample]) -> NDArray[np.float32]:
-        """(F, N, 3) after Turgor Volume, object space. Safe on a worker thread."""
-        parts = []
+    def positions(self, samples: Sequence[Sample], folds: NDArray[np.int32]) -> NDArray[np.float32]:
+        """(F, N, 3) after Turgor Volume, object space. Safe on a worker thread.
+
+        folds: (F, 3) to be filled, as by `VolumeSkin.deform_many`.
+        """
+        parts, done = [], 0
         for (_, is_fleshed), group in groupby(samples, key=_kind):
             of_group = list(group)
-            parts.append(_one_by_one(of_group) if is_fleshed else _many(of_group))
+            counts = folds[done : done + len(of_group)]
+            parts.append(_one_by_one(of_group, counts) if is_fleshed else _many(of_group, counts))
+            done += len(of_group)
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
@@ -143,7 +153,7 @@ def _kind(sample: Sample) -> tuple[int, bool]:
     return id(sample.request.engine), "added_offsets" in sample.request.options
 
 
-def _many(samples: Sequence[Sample]) -> NDArray[np.float32]:
+def _many(samples: Sequence[Sample], folds: NDArray[np.int32]) -> NDArray[np.float32]:
     options = [sample.request.options for sample in samples]
     shapes = [part["shape_values"] for part in options if "shape_values" in part]
     return samples[0].request.engine.deform_many(
@@ -152,12 +162,15 @@ def _many(samples: Sequence[Sample]) -> NDArray[np.float32]:
         shape_values=np.stack(shapes) if shapes else None,
         target_scale=[part["target_scale"] for part in options],
         effect=[sample.effect for sample in samples],
+        repair_folds="repair_folds" in options[0],
+        fold_counts=folds,
     )
 
 
-def _one_by_one(samples: Sequence[Sample]) -> NDArray[np.float32]:
+def _one_by_one(samples: Sequence[Sample], folds: NDArray[np.int32]) -> NDArray[np.float32]:
     made = []
-    for sample in samples:
+    for sample, counts in zip(samples, folds, strict=True):
         found = sample.request.engine.deform(sample.request.pose_matrices, **sample.request.options)
+        counts[:] = found.report.folds_found, found.report.folds_left, len(found.report.blocked_vertices)
         made.append((found.skinned + sample.effect * found.offsets.astype(np.float64)).astype(np.float32))
     return np.stack(made)

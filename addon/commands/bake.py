@@ -46,6 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--most-keys", type=int, default=64, metavar="N", help="driven keys at most (default: %(default)s)")
     add("--influences", type=int, default=0, metavar="N", help="bones per vertex where corrective keys go; 0: all")
     add("--linear", action="store_true", help="where corrective keys go, bones are blended linearly")
+    add("--repair-folds", action="store_true", help="repair folds, also where the character does not")
     add("--output", type=Path, metavar="FOLDER", help="for reports, caches, chunks (default: turgor_bake by the file)")
     add("--save", type=Path, metavar="FILE", help="the .blend with the copies")
     add("--no-verify", action="store_true", help="do not play the copies and compare every frame")
@@ -77,7 +78,7 @@ def run(arguments: argparse.Namespace) -> Outcome:
         follow(steps, arguments.progress, number, len(targets))
         reports.append(made)
         if arguments.part is None:
-            _remember(ob, made, frames)
+            _remember(ob, made, frames, repair_folds=arguments.repair_folds)
     if arguments.part is not None:
         return _of_chunks(arguments, reports)
     if arguments.save is not None:
@@ -112,6 +113,7 @@ def options_of(arguments: argparse.Namespace, ob: bpy.types.Object, frames: np.n
         most_keys=arguments.most_keys,
         folder=folder,
         verify=not arguments.no_verify,
+        repair_folds=arguments.repair_folds,
         name=f"{ob.name} Baked",
         chunk_frames=arguments.chunk_frames,
     )
@@ -127,10 +129,11 @@ def follow(steps: Iterator[Progress], style: str, number: int = 0, count: int = 
                 sys.stdout.flush()
 
 
-def _remember(ob: bpy.types.Object, made: job.Job, frames: np.ndarray) -> None:
+def _remember(ob: bpy.types.Object, made: job.Job, frames: np.ndarray, *, repair_folds: bool) -> None:
     """For the panel, and for `verify`."""
     copy, lines = made.baked, "\n".join(made.report.lines())
     copy.turgor_bake.frames = frame_range.text_of(frames)
+    copy.turgor_bake.repair_folds = repair_folds
     for each, other in ((copy, ob), (ob, copy)):
         if each.library is None:
             each.turgor_bake.other, each.turgor_bake.report = other, lines

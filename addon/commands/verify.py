@@ -73,7 +73,7 @@ def _frames(arguments: argparse.Namespace, copy: bpy.types.Object) -> np.ndarray
 def _compared(
     arguments: argparse.Namespace, ob: bpy.types.Object, copy: bpy.types.Object, frames: np.ndarray
 ) -> dict[str, Any]:
-    made = job.Job(ob, Options("ABSOLUTE", frames))
+    made = job.Job(ob, Options("ABSOLUTE", frames, repair_folds=copy.turgor_bake.repair_folds))
     follow(made.verify(copy), arguments.progress)
     found = made.report.as_dict()
     return {name: found[name] for name in ("name", "frames", "size", "max_error_relative", "volume_error_relative")}

@@ -142,7 +142,10 @@ def _of_state(
 
 
 def of_figures(target: bpy.types.Object, figures: runtime.Figures, strengths: dict[str, float]) -> tuple[Finding, ...]:
-    """Of one frame of Turgor Volume: joints out of room, and volume that settings leave out. strengths: by joint."""
+    """Of one frame of Turgor Volume: joints out of room, volume that settings leave out, folds.
+
+    strengths: by joint.
+    """
     found = _of_capped_joints(target, figures)
     weak = [
         name
@@ -156,6 +159,13 @@ def of_figures(target: bpy.types.Object, figures: runtime.Figures, strengths: di
             joints=", ".join(weak[:MOST_JOINTS]) + (", …" if len(weak) > MOST_JOINTS else ""),
         )
         found.append(finding(target, "INFO", "joint_strength", text))
+    if figures.folds is not None and figures.folds.left_count:
+        text = message(
+            "Folds that could not be repaired with the exact volume: {count:,}; lower the strength of the joint there,"
+            " or pin less",
+            count=figures.folds.left_count,
+        )
+        found.append(finding(target, "WARNING", "folds_left", text))
     ours = stack.volume_modifier(target)
     part = 1.0 if ours is None else float(modifier_inputs.read_input(ours, node_group.STRENGTH))
     if ours is not None and part != 1.0:

@@ -76,6 +76,8 @@ def _asked(
         options["shape_values"] = inputs.shape_values
     if bound.fleshed is not None and (added := spine_frame.added_offsets(target, bound.body.vertex_count)) is not None:
         options |= {"added_offsets": added, "fleshed": bound.fleshed}
+    if saved.repair_folds:
+        options["repair_folds"] = True
     return pose_matrices, options
 
 
@@ -113,8 +115,7 @@ def _remember(
     report: Callable[[], turgor.Report],
 ) -> None:
     known.name = target.name
-    target_scale = asked.options["target_scale"]
-    known.measure = measure = runtime.Once(lambda: _figures(report(), bound, asked.strengths, target_scale))
+    known.measure = measure = runtime.Once(lambda: _figures(report(), bound, asked))
     uid = target.original.session_uid
     known.inspect = runtime.Once(lambda: _inspect(known, uid, measure(), bound, asked.strengths))
 
@@ -169,14 +170,15 @@ def _second(saved: settings.SecondSet, tables: Tables | None) -> Profiles:
     return Profiles(saved.preset, saved.curve_source, shares, tables)
 
 
-def _figures(
-    report: turgor.Report, bound: Bound, strengths: NDArray[np.float64], target_scale: float
-) -> runtime.Figures:
-    found = figures.frame_figures(report, bound.body.rest_volume, strengths, target_scale)
+def _figures(report: turgor.Report, bound: Bound, asked: Request) -> runtime.Figures:
+    found = figures.frame_figures(report, bound.body.rest_volume, asked.strengths, asked.options["target_scale"])
     names = [bound.bones.names[bone] for bone in bound.body.joint_bones]
     rows = zip(found.lost, found.regained, found.is_capped, strict=True)
     by_bone = {name: runtime.JointFigures(*row) for name, row in zip(names, rows, strict=True)}
-    return runtime.Figures(found.corrected_deviation, found.skinned_deviation, by_bone)
+    folds = None
+    if asked.options.get("repair_folds"):
+        folds = runtime.Folds(report.folds_found, report.folds_left, len(report.blocked_vertices))
+    return runtime.Figures(found.corrected_deviation, found.skinned_deviation, by_bone, folds)
 
 
 def _inspect(

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 # Of the text, so that others can tell what they read.
 FORMAT = 1
@@ -40,8 +42,20 @@ class BakeReport:
     held_out_error: float | None = None  # of frames that pose-driven keys were not made from
     clamped_count: int = 0  # vertices, over all frames, where the target's skinning has no inverse
     resumed_chunks: int = 0
+    # Where folds are repaired: frames with any, pairs of triangles found and left; over all frames.
+    fold_frame_count: int | None = None
+    folds_found: int = 0
+    folds_left: int = 0
     notes: list[str] = field(default_factory=list)
     errors: list[FrameError] = field(default_factory=list)
+
+    def count_folds(self, counts: Sequence[NDArray[np.float32]]) -> None:
+        """counts: (S, 3) of each chunk, as `VolumeSkin.deform_many` counts them; none where folds are not repaired."""
+        if not counts:
+            return
+        found, left, _ = np.concatenate(counts).astype(np.int64).T
+        self.fold_frame_count = int(np.count_nonzero(found))
+        self.folds_found, self.folds_left = int(found.sum()), int(left.sum())
 
     @property
     def max_error(self) -> float:
@@ -88,6 +102,8 @@ class BakeReport:
             found.append(f"Volume within {100.0 * self.volume_error_relative:+.2g} %")
         if self.held_out_error is not None:
             found.append(f"Largest error on other poses {self.held_out_error * percent:.2g} %")
+        if self.fold_frame_count is not None:
+            found.append(f"Folds on {self.fold_frame_count} frames: {self.folds_found} found, {self.folds_left} left")
         if self.clamped_count:
             found.append(f"{self.clamped_count} times skinning flattened a vertex: its key was clamped")
         return found + self.notes

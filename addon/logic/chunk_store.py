@@ -24,9 +24,13 @@ _CHECKSUM = struct.Struct("<I")
 class ChunkStore:
     """Chunks in a folder of their own."""
 
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
+    def __init__(self, folder: Path, kind: str = "") -> None:
+        self._folder, self._kind = folder, kind
         self.found_count = 0
+
+    def beside(self, kind: str) -> ChunkStore:
+        """Chunks of another kind in the same folder; cleared with these."""
+        return ChunkStore(self._folder, f"{kind}_")
 
     def find(self, number: int, fingerprint: str, shape: tuple[int, ...]) -> NDArray[np.float32] | None:
         """The chunk as it was put, float32 of this shape, mapped from its file; None where it has to be computed."""
@@ -61,7 +65,7 @@ class ChunkStore:
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def _path(self, number: int, fingerprint: str) -> Path:
-        return self._folder / f"{number:06d}-{fingerprint}.npy"
+        return self._folder / f"{self._kind}{number:06d}-{fingerprint}.npy"
 
 
 def _checksum(chunk: NDArray[np.float32]) -> bytes:

@@ -182,9 +182,9 @@ class Shown:
         if joint not in self._fields:
             bone = self._bones.get(joint, -1)
             has_joint = bone in self._engine.joint_bones
-            self._fields[joint] = (
-                self._engine.joint_field(bone, self._pose_matrices, **self._options) if has_joint else None
-            )
+            # Fields are made before folds are looked for.
+            options = {name: value for name, value in self._options.items() if name != "repair_folds"}
+            self._fields[joint] = self._engine.joint_field(bone, self._pose_matrices, **options) if has_joint else None
         return self._fields[joint]
 
     def joint_origin(self, joint: str) -> NDArray[np.float64] | None:

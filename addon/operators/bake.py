@@ -194,6 +194,7 @@ def options_of(target: bpy.types.Object, scene: bpy.types.Scene) -> options.Opti
         most_keys=saved.most_keys,
         folder=Path(bpy.path.abspath(saved.folder)) if is_kept and saved.folder else None,
         verify=saved.verify,
+        repair_folds=saved.repair_folds,
         name=f"{target.name} Baked",
     )
 

@@ -72,6 +72,8 @@ def draw_bake(layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy.ty
         column.prop(saved, "influences")
         column.prop(saved, "use_linear")
     column.separator()
+    if has_volume(ob):
+        column.prop(saved, "repair_folds")
     column.prop(saved, "folder")
     column.prop(saved, "verify")
     column.prop(saved, "hide_original")

@@ -62,6 +62,7 @@ class TURGOR_PT_settings(VolumeSubpanel, bpy.types.Panel):
         column.prop(ob.turgor, "target_volume")
         column.prop(ob.turgor, "keep_bone_scale")
         column.prop(ob.turgor, "solver")
+        column.prop(ob.turgor, "repair_folds")
         buttons = self.layout.row(align=True)
         buttons.operator("object.turgor_volume_rebind", icon="FILE_REFRESH")
         buttons.operator("object.turgor_volume_remove", text="Remove", icon="X")
@@ -94,3 +95,15 @@ def draw_readout(layout: bpy.types.UILayout, known: runtime.Character, *, is_on:
     line.alignment = "CENTER"
     line.active = False
     line.label(text=" ".join((beside, skinned if is_on else corrected)), translate=False)
+    if figures.folds is not None:
+        line = column.row()
+        line.alignment = "CENTER"
+        line.active = False
+        line.label(text=_folds_text(figures.folds), translate=False)
+
+
+def _folds_text(folds: runtime.Folds) -> str:
+    if not folds.found_count:
+        return iface_("No folds")
+    text = iface_("Folds: {found:,}, left: {left:,}, vertices held: {blocked:,}")
+    return text.format(found=folds.found_count, left=folds.left_count, blocked=folds.blocked_count)

@@ -109,6 +109,12 @@ class TurgorBake(bpy.types.PropertyGroup):
         override=OVERRIDABLE,
         options=set(),
     )
+    repair_folds: BoolProperty(
+        name="Repair Folds",
+        description="Repair folds on every frame of the bake, also where Turgor Volume does not",
+        override=OVERRIDABLE,
+        options=set(),
+    )
     hide_original: BoolProperty(
         name="Hide Original",
         description="Hide the live mesh in the viewport and in renders when its bake is there",

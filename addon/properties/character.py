@@ -57,6 +57,14 @@ class TurgorObject(bpy.types.PropertyGroup):
         override=OVERRIDABLE,
         options=set(),
     )
+    repair_folds: BoolProperty(
+        name="Repair Folds",
+        description="Where the correction alone makes the skin pass through itself, it backs off, and the volume comes"
+        " back elsewhere; takes longer on every frame",
+        update=tag,
+        override=OVERRIDABLE,
+        options=set(),
+    )
     target_volume: FloatProperty(
         name="Volume",
         description="Factor on the volume to be kept; animate it for breathing",

@@ -149,6 +149,24 @@ TEXTS: dict[str, str] = {
     "{name} and {count} more": "{name} und {count} weitere",
     # The character
     "Settings": "Einstellungen",
+    "Repair Folds": "Falten reparieren",
+    "Where the correction alone makes the skin pass through itself, it backs off, and the volume comes"
+    " back elsewhere; takes longer on every frame": (
+        "Wo erst die Korrektur die Haut sich selbst durchdringen lässt, weicht sie zurück, und das Volumen kommt"
+        " anderswo wieder; jedes Bild braucht länger"
+    ),
+    "No folds": "Keine Falten",
+    "Folds: {found:,}, left: {left:,}, vertices held: {blocked:,}": (
+        "Falten: {found:,}, übrig: {left:,}, gehaltene Punkte: {blocked:,}"
+    ),
+    "Folds that could not be repaired with the exact volume: {count:,}; lower the strength of the joint there,"
+    " or pin less": (
+        "Falten, die sich bei genauem Volumen nicht reparieren ließen: {count:,}; die Stärke des Gelenks dort senken"
+        " oder weniger anheften"
+    ),
+    "Repair folds on every frame of the bake, also where Turgor Volume does not": (
+        "Falten auf jedem gebackenen Bild reparieren, auch wo Turgor Volume es nicht tut"
+    ),
     "Solver": "Löser",
     "How the joints share the work": "Wie die Gelenke sich die Arbeit teilen",
     "Simultaneous": "Gleichzeitig",

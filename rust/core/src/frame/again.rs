@@ -95,7 +95,7 @@ impl Workspace {
             let slots = patch.start..binding.patches.slot_offsets[index + 1] as usize;
             for (point, &(share, _)) in self.moves[slots.clone()].iter_mut().zip(&of_slot[slots]) {
                 let moved = lanes::scale(lanes::add_scaled(widened(point.by), widened(point.residual), step), share);
-                *point = Move { by: std::array::from_fn(|i| moved[i] as f32), residual: [0.0; 3] };
+                *point = Move { by: std::array::from_fn(|i| moved[i] as f32), residual: [0.0; 4] };
             }
         }
         for (state, _) in self.components.iter_mut().zip(concerns).filter(|(_, concerned)| **concerned) {
