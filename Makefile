@@ -7,10 +7,10 @@ MAKEFLAGS += --no-builtin-rules
 
 # What `make demo` shows: a scene of blend_fixtures/, or any .blend, .glb, .gltf or .fbx with a rigged character; or
 # `fleshing`: bodies bent along a spine, after the paper's experiments; or `weights`: automatic weights beside Blender's own;
-# or `refine`: coarse characters before and after their meshes are refined.
+# or `refine`: coarse characters before and after their meshes are refined; or `folds`: deep bends before and after repair.
 SCENE ?= elephant
 FILE  ?= .fixtures/$(SCENE).blend
-SHOWN  = $(if $(filter fleshing weights refine,$(SCENE)),demo.$(SCENE),demo "$(FILE)")
+SHOWN  = $(if $(filter fleshing weights refine folds,$(SCENE)),demo.$(SCENE),demo "$(FILE)")
 PYTEST_FLAGS ?= -q
 
 HAS_3.13 := $(shell environment/find_python.sh 3.13 2>/dev/null)
@@ -69,7 +69,7 @@ pictures: dist/.extension .fixtures/.ready ## the manual's pictures, for the nex
 
 # ---- see it --------------------------------------------------------------------------------------------------------
 
-demo: dist/.extension .fixtures/.ready $(NEWEST)/.ready ## pictures and figures of a character in demo_out/: make demo [SCENE=giraffe | SCENE=fleshing | SCENE=weights | SCENE=refine | FILE=path]
+demo: dist/.extension .fixtures/.ready $(NEWEST)/.ready ## pictures and figures of a character in demo_out/: make demo [SCENE=giraffe | SCENE=fleshing | SCENE=weights | SCENE=refine | SCENE=folds | FILE=path]
 	rm -rf demo_out
 	$(NEWEST)/bin/python -m $(SHOWN) --extension dist/*.zip --output demo_out
 
