@@ -106,6 +106,11 @@ def refresh(target: bpy.types.Object) -> None:
     except ValueError as error:
         known.refinement = None
         runtime.log.warning("%s: no preview: %s", target.name, error)
+    # It may come long after the edit that asked for it.
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type in {"VIEW_3D", "PROPERTIES"}:
+                area.tag_redraw()
 
 
 def refine(target: bpy.types.Object, options: Options, tell: Callable[[int], None] = lambda done: None) -> Refinement:
@@ -115,8 +120,8 @@ def refine(target: bpy.types.Object, options: Options, tell: Callable[[int], Non
     """
     mesh = target.data
     _check(target)
-    # Nothing may have been evaluated since the last edit.
-    binding.bind(target)
+    # An edit that nothing was evaluated after is followed now.
+    bpy.context.view_layer.update()
     found = find(target, tell).region(options).refinement
     if not found.splits:
         return found

@@ -429,3 +429,29 @@ def test_a_body_on_a_spine_and_the_volume_after_it(runtime):
     assert runtime.character(ob.session_uid).problem is None
     assert runtime.spine(ob.session_uid).problem is None
     assert volume(ob) == pytest.approx(mesh_volume(ob.data), rel=1e-5)
+
+
+def test_an_edit_right_before_is_seen():
+    """A script changes the mesh, and nothing has been evaluated since."""
+    ob, _ = character()
+    add_turgor(ob)
+    select([ob])
+    wider = mesh_positions(ob.data) * np.float32([1.5, 1.5, 1.0])
+    ob.data.attributes["position"].data.foreach_set("vector", wider.ravel())
+    ob.data.update()
+    assert bpy.ops.object.turgor_refine(**REFINE) == {"FINISHED"}
+    assert np.array_equal(mesh_positions(ob.data)[: len(wider)], wider)
+    bpy.context.scene.frame_set(LAST_FRAME)
+    assert volume(ob) == pytest.approx(mesh_volume(ob.data), rel=1e-6)
+
+
+def test_a_mesh_that_has_to_be_bound_anew_says_so():
+    ob, _ = character()
+    add_turgor(ob)
+    select([ob])
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.quads_convert_to_tris()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    with pytest.raises(RuntimeError, match="press Rebind"):
+        bpy.ops.object.turgor_refine(**REFINE)
