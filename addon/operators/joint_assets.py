@@ -12,27 +12,20 @@ from ..live import joint_presets
 from ..logic.joint_preset import PresetError
 from ..messages import message, of_error, translated
 from ..scene import joint_assets
-from .joint_presets import edited
+from .character import EditsJoints, edited
 
 LIBRARY_NAME = "Turgor"
 # Written by `make package`.
 SHIPPED = Path(__file__).resolve().parents[1] / "assets"
 
 
-class OBJECT_OT_turgor_joint_asset_add(bpy.types.Operator):
+class OBJECT_OT_turgor_joint_asset_add(EditsJoints, bpy.types.Operator):
     bl_idname = "object.turgor_joint_asset_add"
     bl_label = "Save Joint as Asset"
     bl_description = "Keep the settings and curves of the active joint as an asset of this file"
     bl_options = {"REGISTER", "UNDO"}
 
     name: StringProperty(name="Name", description="Name of the asset", options={"SKIP_SAVE"})
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if not edited(context):
-            cls.poll_message_set("The active object has no joints of Turgor Volume of its own")
-            return False
-        return True
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if not self.name:
@@ -45,7 +38,7 @@ class OBJECT_OT_turgor_joint_asset_add(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class OBJECT_OT_turgor_joint_asset_apply(bpy.types.Operator):
+class OBJECT_OT_turgor_joint_asset_apply(EditsJoints, bpy.types.Operator):
     bl_idname = "object.turgor_joint_asset_apply"
     bl_label = "Apply to Turgor Joint"
     bl_description = "Give the active and the selected joints of the active object the settings of this asset"
@@ -53,13 +46,6 @@ class OBJECT_OT_turgor_joint_asset_apply(bpy.types.Operator):
 
     filepath: StringProperty(subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
     asset: StringProperty(options={"HIDDEN", "SKIP_SAVE"})
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if not edited(context):
-            cls.poll_message_set("The active object has no joints of Turgor Volume of its own")
-            return False
-        return True
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         asset = context.asset

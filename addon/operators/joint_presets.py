@@ -12,21 +12,14 @@ from bpy.props import StringProperty
 from ..live import joint_presets
 from ..logic.joint_preset import PresetError
 from ..messages import of_error, translated
-from ..properties.several import edited_joints
-from .character import character_of
+from .character import EditsJoints, edited
 
 SUBDIRECTORY = "turgor/joint"
 # Blender searches it for presets/SUBDIRECTORY.
 SHIPPED = str(Path(__file__).resolve().parents[1])
 
 
-def edited(context: bpy.types.Context) -> list:
-    """The active joint of the shown character and the selected ones, the active first."""
-    ob = character_of(context)
-    return [] if ob is None or ob.library is not None else edited_joints(ob.turgor)
-
-
-class OBJECT_OT_turgor_joint_preset(bpy.types.Operator):
+class OBJECT_OT_turgor_joint_preset(EditsJoints, bpy.types.Operator):
     bl_idname = "object.turgor_joint_preset"
     bl_label = "Use Joint Preset"
     bl_description = "Give the active and the selected joints the settings and curves of this preset"
@@ -35,13 +28,6 @@ class OBJECT_OT_turgor_joint_preset(bpy.types.Operator):
     filepath: StringProperty(subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
     # Blender's preset menus hand it over.
     menu_idname: StringProperty(options={"HIDDEN", "SKIP_SAVE"})
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if not edited(context):
-            cls.poll_message_set("The active object has no joints of Turgor Volume of its own")
-            return False
-        return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
@@ -52,16 +38,12 @@ class OBJECT_OT_turgor_joint_preset(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class OBJECT_OT_turgor_joint_preset_add(AddPresetBase, bpy.types.Operator):
+class OBJECT_OT_turgor_joint_preset_add(EditsJoints, AddPresetBase, bpy.types.Operator):
     bl_idname = "object.turgor_joint_preset_add"
     bl_label = "Add Joint Preset"
     bl_description = "Keep the settings and curves of the active joint as a preset, or remove one"
     preset_menu = "TURGOR_PT_joint_presets"
     preset_subdir = SUBDIRECTORY
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return bool(edited(context))
 
     def add(self, context: bpy.types.Context, filepath: str) -> None:
         """Blender's base class asks for this in place of its own writing."""
