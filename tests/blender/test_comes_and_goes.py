@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import bpy
+import library
 import pytest
 from measure import positions, relative_error, volume
 from test_exact import VOLUME_TOLERANCE
@@ -142,21 +143,13 @@ def test_instance_of_a_linked_character(tmp_path):
     ob, rig = character()
     rest = volume(ob)
     add_turgor(ob)
-    collection = bpy.data.collections.new("Character")
-    bpy.context.scene.collection.children.link(collection)
-    for member in (ob, rig):
-        collection.objects.link(member)
-    path = str(tmp_path / "library.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.read_homefile(use_empty=True)
-    with bpy.data.libraries.load(path, link=True) as (_, into):
-        into.collections = ["Character"]
+    collection = library.linked((ob, rig), tmp_path)
     instance = bpy.data.objects.new("Instance", None)
-    instance.instance_type, instance.instance_collection = "COLLECTION", into.collections[0]
+    instance.instance_type, instance.instance_collection = "COLLECTION", collection
     bpy.context.scene.collection.objects.link(instance)
     bpy.context.view_layer.update()
     bpy.context.scene.frame_set(FRAME)
-    assert relative_error(into.collections[0].all_objects["Tube"], rest) < VOLUME_TOLERANCE
+    assert relative_error(collection.all_objects["Tube"], rest) < VOLUME_TOLERANCE
 
 
 @pytest.mark.parametrize("where", ["in the library", "on the override"])
@@ -165,19 +158,8 @@ def test_linked_and_overridden_character(route, runtime, tmp_path, where):
     rest = volume(ob)
     if where == "in the library":
         add_turgor(ob)
-    collection = bpy.data.collections.new("Character")
-    bpy.context.scene.collection.children.link(collection)
-    for member in (ob, rig):
-        collection.objects.link(member)
-    path = str(tmp_path / "library.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.read_homefile(use_empty=True)
-    with bpy.data.libraries.load(path, link=True) as (_, into):
-        into.collections = ["Character"]
+    tube = library.overridden(library.linked((ob, rig), tmp_path))
     scene = bpy.context.scene
-    override = into.collections[0].override_hierarchy_create(scene, bpy.context.view_layer, do_fully_editable=True)
-    bpy.context.view_layer.update()
-    tube = next(member for member in override.all_objects if member.type == "MESH")
     if where == "on the override":
         add_turgor(tube)
     scene_file = str(tmp_path / "scene.blend")
@@ -190,4 +172,4 @@ def test_linked_and_overridden_character(route, runtime, tmp_path, where):
         bpy.ops.wm.save_as_mainfile(filepath=scene_file)
         bpy.ops.wm.open_mainfile(filepath=scene_file)
         scene = bpy.context.scene
-        tube = next(member for member in scene.objects if member.type == "MESH" and member.override_library)
+        tube = library.opened_override()

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import bmesh
 import bpy
+import library
 import numpy as np
 import pytest
 from body import add_spine, body, chain
@@ -277,18 +278,7 @@ def test_each_finding_is_logged_once(runtime, warnings_logged):
 def test_fixes_of_linked_data_are_refused_with_a_reason(runtime, tmp_path):
     ob, rig = character(is_open=True)
     add_turgor(ob)
-    collection = bpy.data.collections.new("Character")
-    bpy.context.scene.collection.children.link(collection)
-    for member in (ob, rig):
-        collection.objects.link(member)
-    path = str(tmp_path / "library.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.read_homefile(use_empty=True)
-    with bpy.data.libraries.load(path, link=True) as (_, into):
-        into.collections = ["Character"]
-    linked = next(member for member in into.collections[0].all_objects if member.type == "MESH")
-    bpy.context.scene.collection.children.link(into.collections[0])
-    bpy.context.view_layer.update()
+    linked = library.shown(library.linked((ob, rig), tmp_path))
     bpy.context.scene.frame_set(FRAME)
     assert _found(runtime, linked, "linked") is not None
     assert "linked" in _found(runtime, linked, "open_part").refusal

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bpy
+import library
 import numpy as np
 import pytest
 from tube import add_turgor, character
@@ -17,26 +18,11 @@ def linked(tmp_path):
     for bone, name in zip(rig.data.bones, SIDES, strict=True):
         bone.name = name
     add_turgor(ob)
-    collection = bpy.data.collections.new("Character")
-    bpy.context.scene.collection.children.link(collection)
-    for member in (ob, rig):
-        collection.objects.link(member)
-    path = str(tmp_path / "library.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.read_homefile(use_empty=True)
-    with bpy.data.libraries.load(path, link=True) as (_, into):
-        into.collections = ["Character"]
-    return into.collections[0]
-
-
-def _mesh(objects):
-    return next(member for member in objects if member.type == "MESH")
+    return library.linked((ob, rig), tmp_path)
 
 
 def test_linked_joints_are_measured_and_not_edited(linked, runtime):
-    bpy.context.scene.collection.children.link(linked)
-    bpy.context.view_layer.update()
-    ob = _mesh(linked.all_objects)
+    ob = library.shown(linked)
     before = [joint.peak_loss for joint in ob.turgor.joints]
     with bpy.context.temp_override(object=ob):
         for name in ("copy", "mirror", "select", "reset"):
@@ -47,9 +33,7 @@ def test_linked_joints_are_measured_and_not_edited(linked, runtime):
 
 
 def test_overridden_joints_keep_their_edits(linked, tmp_path):
-    override = linked.override_hierarchy_create(bpy.context.scene, bpy.context.view_layer, do_fully_editable=True)
-    bpy.context.view_layer.update()
-    ob = _mesh(override.all_objects)
+    ob = library.overridden(linked)
     ob.turgor.joints["Arm.L"].strength = 0.25
     ob.turgor.joints["Arm.L"].preset = "MUSCLE"
     ob.turgor.active_joint = ob.turgor.joints.find("Arm.L")
@@ -61,7 +45,7 @@ def test_overridden_joints_keep_their_edits(linked, tmp_path):
     for _ in range(2):
         bpy.ops.wm.save_as_mainfile(filepath=path)
         bpy.ops.wm.open_mainfile(filepath=path)
-    ob = next(member for member in bpy.context.scene.objects if member.type == "MESH" and member.override_library)
+    ob = library.opened_override()
     joints = ob.turgor.joints
     assert [joints[name].strength for name in SIDES] == [0.25, 0.25, 1.0]
     assert [joints[name].preset for name in SIDES] == ["MUSCLE", "MUSCLE", "ISOTROPIC"]

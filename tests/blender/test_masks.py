@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from itertools import pairwise
 
 import bpy
+import library
 import numpy as np
 import pytest
 from measure import positions, relative_error, volume
@@ -279,19 +280,7 @@ def test_masks_of_a_linked_and_overridden_character(tmp_path):
     _group(ob, "Fixed", LEFT[:30])
     ob.turgor.vertex_group = "Some"
     expected = _shown(ob)
-    collection = bpy.data.collections.new("Character")
-    bpy.context.scene.collection.children.link(collection)
-    for member in (ob, rig):
-        collection.objects.link(member)
-    path = str(tmp_path / "library.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.read_homefile(use_empty=True)
-    with bpy.data.libraries.load(path, link=True) as (_, into):
-        into.collections = ["Character"]
-    override = into.collections[0].override_hierarchy_create(
-        bpy.context.scene, bpy.context.view_layer, do_fully_editable=True
-    )
-    tube = next(member for member in override.all_objects if member.type == "MESH")
+    tube = library.overridden(library.linked((ob, rig), tmp_path))
     assert (_shown(tube) == expected).all()
     tube.turgor.pin_group = "Fixed"
     tube.update_tag()
