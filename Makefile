@@ -21,7 +21,7 @@ ENGINE_SOURCES    := $(shell find rust -type f -not -path '*/target/*' -not -nam
 EXTENSION_SOURCES := $(shell find addon packaging manual -type f -not -name '*.pyc')
 FIXTURE_SOURCES   := $(wildcard blend_fixtures/*.py)
 
-.PHONY: help pictures demo speed test lint format bench package wheel lock clean
+.PHONY: help pictures demo speed test every-test lint format bench package wheel lock clean
 .PHONY: lint-rust lint-python test-rust test-python test-3.11 test-3.13
 
 help: ## this list
@@ -83,7 +83,11 @@ speed: dist/.extension $(NEWEST)/.ready ## times of frames and of the engine bes
 
 # ---- judge it ------------------------------------------------------------------------------------------------------
 
-test: lint test-rust test-python test-3.11 test-3.13 ## everything: lint, engine, and the extension in every Blender found
+# Two at a time: most of it runs on one core.
+test: ## everything: lint, engine, and the extension in every Blender found
+	@$(MAKE) --no-print-directory --jobs=2 --output-sync=line every-test
+
+every-test: lint test-rust test-python test-3.11 test-3.13
 
 test-rust:
 	cargo test --workspace --locked
