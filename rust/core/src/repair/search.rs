@@ -96,7 +96,7 @@ mod tests {
                 expected.sort_unstable();
                 prop_assert_eq!(search.move_to(now.clone()), &expected[..]);
             }
-            prop_assert!(search.move_to(first).is_empty());
+            prop_assert!(search.move_to(first.clone()).is_empty());
         }
     }
 }
