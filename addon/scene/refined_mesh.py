@@ -28,6 +28,8 @@ _MIXED = {
     "QUATERNION": ("value", 4),
 }
 _NORMALS = "custom_normal"
+# What only single vertices have: those between two such ones are not such.
+_SINGLE = ("crease_vert", "bevel_weight_vert")
 
 
 class DoubledFaceError(ValueError):
@@ -107,6 +109,7 @@ def write(
         edited.to_mesh(mesh)
     finally:
         edited.free()
+    _clear_new(mesh, len(positions) - sum(len(level.edge_ends) + len(level.centre_offsets) - 1 for level in levels))
     mesh.attributes["position"].data.foreach_set("vector", np.ascontiguousarray(positions, np.float32).ravel())
     for row, block in zip(key_positions, () if mesh.shape_keys is None else mesh.shape_keys.key_blocks, strict=True):
         block.points.foreach_set("co", np.ascontiguousarray(row, np.float32).ravel())
@@ -193,6 +196,14 @@ def _read_float(mesh: bpy.types.Mesh, name: str) -> NDArray[np.float32]:
     found = np.empty(len(attribute.data), np.float32)
     attribute.data.foreach_get("value", found)
     return found
+
+
+def _clear_new(mesh: bpy.types.Mesh, old_count: int) -> None:
+    for name in _SINGLE:
+        values = _read_float(mesh, name)
+        if len(values) == len(mesh.vertices):
+            values[old_count:] = 0.0
+            mesh.attributes[name].data.foreach_set("value", values)
 
 
 def _read_corners(mesh: bpy.types.Mesh) -> dict[str, NDArray[np.float32]]:

@@ -72,6 +72,8 @@ def laden(ob: bpy.types.Object) -> None:
     edges = np.arange(len(mesh.edges))
     mesh.edges.foreach_set("use_seam", edges % 3 == 0)
     mesh.edges.foreach_set("use_edge_sharp", edges % 4 == 0)
+    layer = mesh.attributes.new("crease_vert", "FLOAT", "POINT")
+    layer.data.foreach_set("value", (np.arange(len(points)) % 3 == 0).astype(np.float32))
     layer = mesh.attributes.new("crease_edge", "FLOAT", "EDGE")
     layer.data.foreach_set("value", (edges % 7 == 0).astype(np.float32) * 0.5)
     ob.shape_key_add(name="Basis", from_mix=False)
@@ -127,6 +129,8 @@ def test_all_that_a_mesh_carries_goes_along():
     found.append(areas(mesh, read(mesh.attributes["Part"].data, "value", kind=np.int32)))
     for now, then in zip(found, parts, strict=True):
         np.testing.assert_allclose(now, then, rtol=1e-5)
+    creased = read(mesh.attributes["crease_vert"].data, "value")
+    assert np.array_equal(np.flatnonzero(creased), np.arange(0, len(old), 3))
     keys = mesh.shape_keys.key_blocks
     assert [(key.name, key.value) for key in keys][1:] == [("Wide", 0.25), ("Tall", 0.25)]
     np.testing.assert_allclose(read(keys["Basis"].points, "co", 3), new, atol=1e-7)
