@@ -94,6 +94,24 @@ def test_quads_split_all_over_keep_their_bilinear_surface(seed: int, most: int):
     )
 
 
+@given(seeds, levels)
+def test_new_vertices_lie_on_the_old_surface(seed: int, most: int):
+    """On the bilinear patch of each quad, flat or not, also where it is only cut beside others that are split."""
+    made = patchwork(seed, roughness=0.2)
+    found = chosen(made, seed, most)
+    is_quad = made.faces.counts == 4
+    square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    within = np.arange(len(made.faces.corners)) - made.faces.offsets[made.faces.of_corners]
+    u, v = found.corners(square[within % 4]).T
+    parents = found.parents[found.faces.of_corners]
+    chosen_corners = is_quad[parents]
+    u, v, parents = (row[chosen_corners] for row in (u, v, parents))
+    a, b, c, d = (made.positions[made.faces.corners[made.faces.offsets[parents] + corner]].T for corner in range(4))
+    patch = (1 - u) * (1 - v) * a + u * (1 - v) * b + u * v * c + (1 - u) * v * d
+    places = found.vertices(made.positions)[found.faces.corners[chosen_corners]]
+    np.testing.assert_allclose(places, patch.T, atol=1e-13)
+
+
 @given(seeds)
 def test_nothing_asked_for_is_nothing_done(seed: int):
     made = patchwork(seed)
