@@ -13,7 +13,7 @@ import numpy as np
 
 from ..logic import chunk_store, frame_range, whole_file
 from ..logic.bake_report import BakeReport
-from ..scene import baked_copy, spine_stack, stack
+from ..scene import baked_copy, scene_drivers, spine_stack, stack
 from . import correctives, driven, point_caches, shape_key_frames, verification
 from .baking import FRAMES_DONE, Baking, Progress
 from .computing import POSITION_BYTES, Computing
@@ -39,6 +39,10 @@ class Job:
         if not len(options.frames):
             raise BakeError("There is no frame to bake: give a range such as 1-100")
         self._source = self._frames_of(target)
+        try:
+            scene_drivers.check(bpy.context.scene, [target, *self._source.leaders])
+        except scene_drivers.SceneDriverError as error:
+            raise BakeError(*error.args) from error
         if options.method in CORRECTIVE_METHODS and self._source.end.type != "ARMATURE":
             raise BakeError(
                 "Corrective keys stand before an Armature, there is none: bake absolute keys or a point cache"

@@ -50,6 +50,12 @@ class SpineFrames:
         """(N, 3) those of `rest`."""
         return self.rest.positions
 
+    @property
+    def leaders(self) -> list[bpy.types.ID]:
+        """What it follows."""
+        saved = self._target.turgor_spine
+        return [each for each in (saved.rig, saved.curve) if each is not None]
+
     def samples(self, frames: NDArray[np.float64]) -> Iterator[Sample]:
         """Main thread only; the scene stays as it is."""
         target, saved = self._target, self._target.turgor_spine

@@ -60,6 +60,13 @@ class VolumeFrames:
         return self._bound.body.flesh.anatomy.rest_positions
 
     @property
+    def leaders(self) -> list[bpy.types.ID]:
+        """What it follows."""
+        spine = self._target.turgor_spine
+        followed = (self.end.object, spine.rig, spine.curve) if self.is_fleshed else (self.end.object,)
+        return [each for each in followed if each is not None]
+
+    @property
     def is_fleshed(self) -> bool:
         """Whether Turgor Spine moves bones of this character."""
         return self._bound.fleshed is not None

@@ -12,8 +12,9 @@ import turgor
 
 from .. import runtime
 from ..live import binding, spine_binding
+from ..messages import of_error
 from ..properties.character import DATA_VERSION
-from ..scene import baked_copy
+from ..scene import baked_copy, scene_drivers, stack
 from . import arguments as shared
 from .characters import objects_with_turgor, subjects_of
 from .outcome import Outcome
@@ -49,6 +50,8 @@ def run(arguments: argparse.Namespace) -> Outcome:
             always = (*subject.known.bind_findings, *subject.known.mask_findings, *subject.known.state_findings)
             for each in subject.known.findings:
                 seen.setdefault(each, None if each in always else float(frame))
+    for subject, seen in zip(subjects, found, strict=True):
+        seen |= dict.fromkeys(_unsampled(subject.object))
     of_file = file_findings()
     objects = [
         {
@@ -69,6 +72,18 @@ def run(arguments: argparse.Namespace) -> Outcome:
         "objects": objects,
     }
     return Outcome(not any(each.severity in OFF for each in every), data, _lines(of_file, objects, data))
+
+
+def _unsampled(ob: bpy.types.Object) -> list[runtime.Finding]:
+    """It renders as it should, and a bake would refuse it."""
+    spine = ob.turgor_spine
+    armature = stack.armature_modifier(ob)
+    followed = (ob, spine.rig, spine.curve, None if armature is None else armature.object)
+    try:
+        scene_drivers.check(bpy.context.scene, [each for each in followed if each is not None])
+    except scene_drivers.SceneDriverError as error:
+        return [runtime.Finding("scene_driver", "INFO", of_error(error))]
+    return []
 
 
 def file_findings() -> list[runtime.Finding]:

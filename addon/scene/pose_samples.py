@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from . import drivers, frame
+from . import drivers, frame, scene_drivers
 
 # Handlers of any extension would be told of a scene that is not the artist's.
 EVENTS = ("frame_change_pre", "frame_change_post", "depsgraph_update_pre", "depsgraph_update_post")
@@ -40,8 +40,8 @@ def sample_poses(target: bpy.types.Object, frames: Sequence[float]) -> PoseSampl
 def evaluated_apart(target: bpy.types.Object, frames: Iterable[float]) -> Iterator[bpy.types.Object]:
     """The character evaluated at each frame: its place, settings, pose and values of shape keys, but not its mesh.
 
-    Each is to be read before the next is asked for. Drivers that name the artist's scene itself read it as it is now.
-    Raises frame.FrameError without an armature.
+    Each is to be read before the next is asked for. Raises frame.FrameError without an armature, and
+    scene_drivers.SceneDriverError.
     """
     rig = frame.rig_of(target)
     return evaluated_after(target, frames, rig, drivers.character_sources(target, rig))
@@ -51,7 +51,10 @@ def evaluated_after(
     target: bpy.types.Object, frames: Iterable[float], rig: bpy.types.Object | None, sources: Iterable[drivers.Source]
 ) -> Iterator[bpy.types.Object]:
     """As `evaluated_apart`, with all bones of `rig` and what `sources` name evaluated."""
-    with _stand_in(rig, sources) as (scene, depsgraph):
+    needed = list(sources)
+    roots = [target, *(source.owner for source in needed)]
+    scene_drivers.check(bpy.context.scene, roots if rig is None else [rig, *roots])
+    with _stand_in(rig, needed) as (scene, depsgraph):
         for number in frames:
             whole = floor(number)
             scene.frame_set(whole, subframe=number - whole)

@@ -748,6 +748,11 @@ TEXTS: dict[str, str] = {
         "Keine negativen Werte, für Engines, die sie abschneiden: ein Schlüssel mehr, der immer an ist, oder, wo sie zu"
         " je einem Gelenk gehören, Schlüssel für beide Richtungen"
     ),
+    "A driver of {owner} reads {path} of the scene by its name, which cannot be baked or measured: make its variable a"
+    " Context Property of the Active Scene": (
+        "Ein Treiber von {owner} liest {path} der Szene unter ihrem Namen, was sich weder backen noch messen lässt:"
+        " seine Variable zu einer Kontexteigenschaft der aktiven Szene machen"
+    ),
     "Local to Joints": "Je Gelenk",
     "Every key moves the skin around one joint only and is named after its bone, so that it can be sculpted on; takes"
     " more keys": (
