@@ -114,7 +114,7 @@ class Job:
         if options.folder is not None:
             name = options.folder / f"{bpy.path.clean_name(self._target.name)}_{options.method.lower()}"
             for suffix, text in ((".json", baking.report.as_json()), (".txt", baking.report.as_text())):
-                with whole_file.written(name.with_suffix(suffix)) as file:
+                with whole_file.written(name.with_suffix(suffix), is_kept=False) as file:
                     file.write(text.encode())
         if store is not None:
             store.clear()

@@ -88,19 +88,20 @@ class VolumeFrames:
     def samples(self, frames: NDArray[np.float64]) -> Iterator[Sample]:
         """Main thread only; the scene stays as it is."""
         alike = None
-        may_move = settings.may_move(self._target)
+        may_move = settings.may_move(self._target, modifier_inputs.input_path(self.own, node_group.STRENGTH))
         for evaluated in pose_samples.evaluated_apart(self._target, frames):
             sample = self._read(evaluated, alike)
             yield sample
-            alike = None if may_move else sample.request
+            alike = None if may_move else sample
 
-    def _read(self, evaluated: bpy.types.Object, alike: live_frame.Request | None) -> Sample:
+    def _read(self, evaluated: bpy.types.Object, alike: Sample | None) -> Sample:
         modifiers = evaluated.modifiers
-        strength = float(modifier_inputs.read_input(modifiers[self.own.name], node_group.STRENGTH))
         if alike is None:
+            strength = float(modifier_inputs.read_input(modifiers[self.own.name], node_group.STRENGTH))
             request = live_frame.read(evaluated, self._bound)
         else:
-            request = live_frame.read_alike(evaluated, modifiers[self.end.name].object, self._bound, alike)
+            strength = alike.effect
+            request = live_frame.read_alike(evaluated, modifiers[self.end.name].object, self._bound, alike.request)
         asked = request.options
         if self.repairs_folds:
             asked["repair_folds"] = True

@@ -195,15 +195,17 @@ def test_keyed_strength_settings_and_object_motion_are_baked(bake):
         assert world == ob.evaluated_get(bpy.context.evaluated_depsgraph_get()).matrix_world
 
 
-@pytest.mark.parametrize("by", ["driver", "strip"])
+@pytest.mark.parametrize("by", ["driver", "strength", "strip"])
 def test_settings_that_move_without_an_action_are_baked(bake, by: str):
     ob, armature = character()
     add_turgor(ob)
-    if by == "driver":
-        driver = ob.driver_add("turgor.target_volume").driver
+    if by != "strip":
+        inputs = importlib.import_module("addon.scene.modifier_inputs")
+        strength = inputs.input_path(ob.modifiers["Turgor Volume"], "Socket_2")
+        driver = ob.driver_add("turgor.target_volume" if by == "driver" else strength).driver
         variable = driver.variables.new()
         variable.targets[0].id, variable.targets[0].data_path = armature, 'pose.bones["Bone1"].rotation_euler[0]'
-        driver.expression = f"1 + 0.2 * {variable.name}"
+        driver.expression = f"1 - 0.2 * {variable.name}"
     else:
         for frame, value in ((1, 1.0), (LAST_FRAME, 1.3)):
             ob.turgor.target_volume = value
