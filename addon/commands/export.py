@@ -8,7 +8,7 @@ from typing import Any
 
 import bpy
 
-from ..bake import exports
+from ..bake import exports, reimport
 from ..scene import imported
 from . import arguments as shared
 from .characters import objects_with_turgor
@@ -23,8 +23,6 @@ DESCRIPTION = (
 FORMATS = {".glb": "GLTF", ".gltf": "GLTF", ".fbx": "FBX", ".abc": "ALEMBIC"} | dict.fromkeys(
     (".usd", ".usda", ".usdc", ".usdz"), "USD"
 )
-# Frames that are compared, at most.
-COMPARED_FRAMES = 9
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -50,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(
         "--volume-tolerance",
         type=float,
-        default=0.1,
+        default=reimport.VOLUME_PERCENT,
         metavar="PERCENT",
         help="how far the volume may be off; thin limbs lose more than --error says (default: %(default)s)",
     )
@@ -78,13 +76,12 @@ def run(arguments: argparse.Namespace) -> Outcome:
     if any(note for report in reports for note in report.notes):
         lines.append("Modifiers after Turgor are not in the file: it cannot be compared, give --no-verify")
         return Outcome(False, data, lines)
-    first, last = scene.frame_start, scene.frame_end
-    frames = sorted({first + (last - first) * part // (COMPARED_FRAMES - 1) for part in range(COMPARED_FRAMES)})
+    frames = reimport.compared_frames(scene)
     live = {ob.name: imported.live(ob, frames) for ob in targets}
     found = imported.compare(settings.path, kind, live)
     tolerance = arguments.tolerance
     if tolerance is None:
-        tolerance = imported.FLOOR_PERCENT + (arguments.error if kind in exports.WITH_KEYS else 0.0)
+        tolerance = reimport.tolerance_percent(settings)
     data["verified"] = [{"name": name, **each._asdict()} for name, each in found.items()]
     lines += [
         f"{name}: imported again, largest error {100.0 * each.max_error_relative:.2g} % of the size,"

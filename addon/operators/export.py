@@ -6,11 +6,11 @@ from pathlib import Path
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
-from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from turgor import TurgorError
 
-from ..bake import exports
-from ..messages import of_error, translated
+from ..bake import exports, reimport
+from ..messages import message, of_error, translated
 
 FORMATS = (
     ("GLTF", "glTF 2.0", "Armature and shape keys, for engines and the web"),
@@ -42,6 +42,11 @@ class EXPORT_SCENE_OT_turgor(bpy.types.Operator):
         max=100.0,
         precision=3,
         subtype="PERCENTAGE",
+    )
+    verify: BoolProperty(
+        name="Verify",
+        description="Import the file again, in a Blender of its own, and compare shape and volume with the live mesh",
+        default=True,
     )
     influences: IntProperty(
         name="Bones per Vertex",
@@ -82,11 +87,13 @@ class EXPORT_SCENE_OT_turgor(bpy.types.Operator):
         if self.format in exports.WITH_KEYS:
             column.prop(self, "error")
             column.prop(self, "influences")
+        column.prop(self, "verify")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         settings = exports.Settings(self.format, self._path(), 0.01 * self.error, self.influences)
+        targets = characters(context)
         try:
-            reports = exports.export(characters(context), settings)
+            reports = exports.export(targets, settings)
         except (ValueError, OSError, TurgorError) as error:
             self.report({"ERROR"}, translated(of_error(error), rpt_))
             return {"CANCELLED"}
@@ -94,7 +101,27 @@ class EXPORT_SCENE_OT_turgor(bpy.types.Operator):
             for note in report.notes:
                 self.report({"WARNING"}, ": ".join((report.name, translated(note, rpt_))))
             self.report({"INFO"}, f"{report.name}: {', '.join(report.lines()[1:4])}")
+        if self.verify and not any(report.notes for report in reports):
+            self._compare(targets, settings)
         return {"FINISHED"}
+
+    def _compare(self, targets: list[bpy.types.Object], settings: exports.Settings) -> None:
+        try:
+            found = reimport.compare(targets, settings)
+        except ValueError as error:
+            self.report({"WARNING"}, translated(of_error(error), rpt_))
+            return
+        most = reimport.tolerance_percent(settings)
+        for name, each in found.items():
+            error, volume = 100.0 * each.max_error_relative, 100.0 * each.volume_error_relative
+            text = message(
+                "{name}: imported again, largest error {error:.2g} % of the size, volume within {volume:.2g} %",
+                name=name,
+                error=error,
+                volume=volume,
+            )
+            is_fine = error <= most and volume <= reimport.VOLUME_PERCENT
+            self.report({"INFO"} if is_fine else {"WARNING"}, translated(text, rpt_))
 
     def _path(self) -> Path:
         path, suffix = Path(bpy.path.abspath(self.filepath)), exports.SUFFIXES[self.format]

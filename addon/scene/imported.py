@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -13,6 +14,8 @@ from numpy.typing import NDArray
 
 from . import rest
 
+# Between two processes.
+_ASKED, _ARRAYS, ANSWER = "asked.json", "shapes.npz", "answer.json"
 # Float32 of files, and of several matrices in a chain.
 FLOOR_PERCENT = 0.01
 
@@ -81,6 +84,41 @@ def compare(path: Path, kind: str, written: Mapping[str, Live]) -> dict[str, Dif
     except RuntimeError as error:
         raise ImportedError(f"{path.name} cannot be imported again: {str(error).strip()}") from error
     return {name: _difference(_named(each.names, path), each.shapes) for name, each in written.items()}
+
+
+def ask(folder: Path, path: Path, kind: str, written: Mapping[str, Live]) -> None:
+    """Leaves in `folder` all that `answer` needs, in another process."""
+    render = bpy.context.scene.render
+    rows = {
+        f"{number} {shape.frame}": np.append(shape.points.ravel(), shape.volume)
+        for number, live in enumerate(written.values())
+        for shape in live.shapes
+    }
+    np.savez(folder / _ARRAYS, **rows)
+    asked = {
+        "path": str(path),
+        "kind": kind,
+        "rate": [render.fps, render.fps_base],
+        "objects": {name: sorted(live.names) for name, live in written.items()},
+    }
+    (folder / _ASKED).write_text(json.dumps(asked))
+
+
+def answer(folder: str) -> None:
+    """Leaves in `folder` what `compare` finds, or the text of its error."""
+    asked = json.loads((Path(folder) / _ASKED).read_text())
+    written = {}
+    with np.load(Path(folder) / _ARRAYS) as arrays:
+        for number, (name, names) in enumerate(asked["objects"].items()):
+            rows = {int(key.split()[1]): arrays[key] for key in arrays.files if int(key.split()[0]) == number}
+            shapes = [Shape(frame, row[:-1].reshape(-1, 3), float(row[-1])) for frame, row in sorted(rows.items())]
+            written[name] = Live(frozenset(names), shapes)
+    bpy.context.scene.render.fps, bpy.context.scene.render.fps_base = asked["rate"]
+    try:
+        found: object = compare(Path(asked["path"]), asked["kind"], written)
+    except ImportedError as error:
+        found = str(error)
+    (Path(folder) / ANSWER).write_text(json.dumps(found))
 
 
 def _named(names: frozenset[str], path: Path) -> bpy.types.Object:

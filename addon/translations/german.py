@@ -753,6 +753,14 @@ TEXTS: dict[str, str] = {
         "Ein Treiber von {owner} liest {path} der Szene unter ihrem Namen, was sich weder backen noch messen lässt:"
         " seine Variable zu einer Kontexteigenschaft der aktiven Szene machen"
     ),
+    "Import the file again, in a Blender of its own, and compare shape and volume with the live mesh": (
+        "Die Datei in einem eigenen Blender wieder importieren und Form und Volumen mit dem lebenden Netz vergleichen"
+    ),
+    "{name}: imported again, largest error {error:.2g} % of the size, volume within {volume:.2g} %": (
+        "{name}: wieder importiert, größter Fehler {error:.2g} % der Größe, Volumen bis auf {volume:.2g} %"
+    ),
+    "{file} was not compared: Blender ended early": "{file} wurde nicht verglichen: Blender endete vorzeitig",
+    "The file was not compared: {reason}": "Die Datei wurde nicht verglichen: {reason}",
     "Local to Joints": "Je Gelenk",
     "Every key moves the skin around one joint only and is named after its bone, so that it can be sculpted on; takes"
     " more keys": (

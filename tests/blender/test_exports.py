@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
+
 import bpy
 import numpy as np
 import pytest
 from measure import enclosed_volume, evaluated_mesh, mesh_positions, volume
-from tube import LAST_FRAME, add_turgor, character, select
+from tube import LAST_FRAME, add_turgor, character, select, set_strength
 
 FRAMES = (1, 8, 15, LAST_FRAME)
 # Of the size: float32 of the files, of several matrices in a chain, and of key values.
@@ -83,7 +85,7 @@ def test_imported_again_shape_and_volume_are_those_of_the_live_frame(route, live
     # Named after the format.
     path = tmp_path / f"file.{'x' if kind == 'USD' else kind}"
     error = 0.005
-    assert bpy.ops.export_scene.turgor(filepath=str(path), format=kind, error=error) == {"FINISHED"}
+    assert bpy.ops.export_scene.turgor(filepath=str(path), format=kind, error=error, verify=False) == {"FINISHED"}
     (path,) = tmp_path.iterdir()
     assert names() == before
     assert bpy.context.scene.frame_current == 7
@@ -118,6 +120,30 @@ def test_a_later_modifier_is_said_and_keys_survive(live, tmp_path):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     READERS["FBX"](str(path))
     assert bpy.data.objects["Tube"].data.shape_keys is not None
+
+
+def test_the_button_compares_the_file_in_a_blender_of_its_own(live, tmp_path, capfd):
+    ob, _ = live
+    select([ob])
+    bpy.context.scene.frame_set(7)
+    before = names()
+    path = tmp_path / "file.glb"
+    assert bpy.ops.export_scene.turgor(filepath=str(path), format="GLTF", error=0.01) == {"FINISHED"}
+    assert "Info: Tube: imported again" in capfd.readouterr().out
+    assert names() == before
+    assert bpy.context.scene.frame_current == 7
+    assert ob.select_get()
+
+    exports, reimport = (importlib.import_module(f"addon.bake.{name}") for name in ("exports", "reimport"))
+    settings = exports.Settings("GLTF", path)
+    # Another mesh than the one in the file, which is then found out.
+    set_strength(ob, 0.2)
+    found = reimport.compare([ob], settings)["Tube"]
+    assert 100.0 * found.max_error_relative > reimport.tolerance_percent(settings)
+    assert 100.0 * found.volume_error_relative > reimport.VOLUME_PERCENT
+    path.write_bytes(b"nothing")
+    with pytest.raises(reimport.ReimportError, match="cannot be imported again"):
+        reimport.compare([ob], settings)
 
 
 def test_nothing_is_left_of_an_export_that_failed(live, tmp_path):
