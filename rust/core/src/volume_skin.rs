@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DMat4, DVec3, Vec3};
+use glam::{DMat4, DVec3};
 
 use crate::binding::Binding;
 use crate::error::{Error, Result, check_finite};
@@ -219,10 +219,7 @@ impl VolumeSkin {
 
     /// After `deform`: skinned positions and a part of `offsets`, object space.
     pub(crate) fn write_positions(&self, workspace: &Workspace, offsets: &[[f32; 3]], part: f64, positions: &mut [[f32; 3]]) {
-        for (vertex, (position, offset)) in positions.iter_mut().zip(offsets).enumerate() {
-            let skinned = workspace.object.transform_point3(workspace.skinned_vertex(&self.binding, vertex));
-            *position = (skinned + part * Vec3::from_array(*offset).as_dvec3()).as_vec3().to_array();
-        }
+        workspace.write_positions(&self.binding, offsets, part, positions);
     }
 
     /// Skinned and corrected positions of every vertex, object space, after `deform`.

@@ -285,6 +285,13 @@ impl Workspace {
 
     /// Skinned position of a vertex in armature space, with what is added to it.
     pub(crate) fn skinned_vertex(&self, binding: &Binding, vertex: usize) -> DVec3 {
+        let slot = binding.slot_of_vertex[vertex] as usize;
+        // A point whose twins are skinned alike is where the frame has left it.
+        if slot < self.moves.len() && binding.sites.of_slot(slot).len() == 1 {
+            let skinned = lanes::to(self.skinned.at(slot)) + self.motions.palette.origin;
+            let is_moved = !self.added.is_empty();
+            return if is_moved { skinned + (self.added.of_vertex(vertex) - lanes::to(self.added.of_slot(slot))) } else { skinned };
+        }
         let site = binding.sites.site_of_vertex[vertex] as usize;
         let rest = if self.rest.is_empty() { &binding.sites.rest } else { &self.rest };
         let skinned = lanes::to(self.motions.palette.skin(&binding.sites.influences, site, rest[site]));

@@ -1,7 +1,8 @@
-//! What leaves the engine: offsets of vertices, in object space.
+//! What leaves the engine: offsets of vertices and their positions, in object space.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x4};
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Workspace;
@@ -26,6 +27,29 @@ impl Workspace {
         });
         let largest_squared = largest_of.reduce(|| 0.0, f32::max);
         self.report.max_displacement = f64::from(largest_squared).sqrt();
+    }
+
+    /// Skinned, and so much of `offsets`, of every vertex.
+    pub(crate) fn write_positions(&self, binding: &Binding, offsets: &[[f32; 3]], part: f64, positions: &mut [[f32; 3]]) {
+        dispatch!(Level::new(), simd => write_all(simd, self, binding, offsets, part, positions));
+    }
+}
+
+#[inline(always)]
+fn write_all<S: Simd>(_: S, frame: &Workspace, binding: &Binding, offsets: &[[f32; 3]], part: f64, positions: &mut [[f32; 3]]) {
+    let (object, origin, count) = (frame.object, frame.motions.palette.origin, frame.moves.len());
+    let [near, rest] = [&frame.skinned.near, &frame.skinned.rest].map(|rows| rows.each_ref().map(|row| &row[..count]));
+    // Every point has its own place, as `skinned_vertex` finds it.
+    let is_plain = !binding.sites.is_split() && frame.added.is_empty();
+    for (vertex, ((position, offset), &slot)) in positions.iter_mut().zip(offsets).zip(&binding.slot_of_vertex).enumerate() {
+        let slot = slot as usize;
+        let skinned = if is_plain && slot < count {
+            let at = |axis: usize| f64::from(near[axis][slot]) + f64::from(rest[axis][slot]);
+            DVec3::new(at(0), at(1), at(2)) + origin
+        } else {
+            frame.skinned_vertex(binding, vertex)
+        };
+        *position = (object.transform_point3(skinned) + part * Vec3::from_array(*offset).as_dvec3()).as_vec3().to_array();
     }
 }
 

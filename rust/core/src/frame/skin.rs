@@ -161,7 +161,11 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
     keep_places(simd, patch, p, into.near, into.rest);
     if sites.is_split() {
         for &slot in &slots[..patch.owned] {
-            let mut twins = sites.of_slot(slot as usize).map(|site| palette.skin(&sites.influences, site, rest[site]));
+            let own = sites.of_slot(slot as usize);
+            if own.len() < 2 {
+                continue;
+            }
+            let mut twins = own.map(|site| palette.skin(&sites.influences, site, rest[site]));
             if let Some(first) = twins.next() {
                 let gaps = twins.map(|twin| lanes::to(twin).distance_squared(lanes::to(first)));
                 into.sums.gap_squared = gaps.fold(into.sums.gap_squared, f64::max);
