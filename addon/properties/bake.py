@@ -100,7 +100,8 @@ class TurgorBake(bpy.types.PropertyGroup):
         default="//turgor_bake/",
         subtype="DIR_PATH",
         override=OVERRIDABLE,
-        options=set(),
+        # Else Blender shows the path in red.
+        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
     )
     verify: BoolProperty(
         name="Verify",

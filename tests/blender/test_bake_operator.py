@@ -52,6 +52,12 @@ def test_the_button_makes_the_copy_and_hides_the_original(route, tmp_path, metho
     assert np.linalg.norm(positions(copy) - positions(ob), axis=1).max() <= limit * size
 
 
+def test_the_folder_may_lie_beside_the_file():
+    ob = baked_tube()
+    assert ob.turgor_bake.folder.startswith("//")
+    assert ob.turgor_bake.bl_rna.properties["folder"].is_path_supports_blend_relative
+
+
 def test_without_a_range_the_scenes_frames_are_baked(tmp_path):
     baked_tube(folder=str(tmp_path))
     bpy.context.scene.frame_start, bpy.context.scene.frame_end, bpy.context.scene.frame_step = 2, 8, 3
