@@ -19,7 +19,7 @@ from .spine_frames import SpineFrames
 from .volume_frames import VolumeFrames
 
 # Frames of one chunk: so many, and so many bytes of positions.
-CHUNK_FRAMES, CHUNK_BYTES = 64, 1 << 23
+CHUNK_FRAMES, CHUNK_BYTES = 32, 1 << 23
 POSITION_BYTES = 12
 # Between two steps: to begin sampling takes as long as some frames.
 SECONDS_OF_WORK = 0.1

@@ -209,7 +209,7 @@ def test_a_cancelled_bake_leaves_nothing_but_its_chunks(runtime, tmp_path):
         assert {event: len(getattr(bpy.app.handlers, event)) for event in handlers} == handlers
     again = job.Job(ob, options.Options("ABSOLUTE", frames, folder=tmp_path, name="Again"))
     list(again.run())
-    assert again.report.resumed_chunks == 4
+    assert again.report.resumed_chunks == again.chunk_count
     assert not [path for path in tmp_path.iterdir() if path.is_dir()]
 
 
