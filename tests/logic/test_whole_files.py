@@ -136,4 +136,6 @@ def test_a_torn_chunk_is_computed_anew(tmp_path: Path):
         path.write_bytes(content)
         assert store.find(3, "aa", SAMPLES.shape) is None
     path.write_bytes(whole)
-    assert np.array_equal(store.find(3, "aa", SAMPLES.shape), SAMPLES)
+    found = store.find(3, "aa", SAMPLES.shape)
+    assert found is not None
+    assert np.array_equal(found, SAMPLES)
