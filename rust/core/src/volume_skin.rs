@@ -159,7 +159,7 @@ impl VolumeSkin {
             return Err(Error::VertexCount { found: offsets.len(), bound });
         }
         workspace.take(&self.binding, pose, self.options.keep_bone_scale)?;
-        self.in_pool(|| self.correct(pose, workspace, offsets));
+        self.in_pool(pose.repair_folds, || self.correct(pose, workspace, offsets));
         Ok(&workspace.report)
     }
 
@@ -176,7 +176,7 @@ impl VolumeSkin {
     /// Skins and measures a pose, and leaves the volume as it is.
     pub(crate) fn skin_pose(&self, pose: &Pose, workspace: &mut Workspace) -> Result<()> {
         workspace.take(&self.binding, pose, self.options.keep_bone_scale)?;
-        self.in_pool(|| self.skin(pose, workspace));
+        self.in_pool(false, || self.skin(pose, workspace));
         Ok(())
     }
 
@@ -189,9 +189,9 @@ impl VolumeSkin {
         &self.binding
     }
 
-    /// One hop to the thread pool, not one for every sweep.
-    fn in_pool(&self, work: impl FnOnce() + Send) {
-        if self.binding.patches.list.len() <= FEW {
+    /// One hop to the thread pool, not one for every sweep; none for small meshes, unless there is `much` to do.
+    fn in_pool(&self, much: bool, work: impl FnOnce() + Send) {
+        if self.binding.patches.list.len() <= FEW && !much {
             work();
         } else {
             rayon::scope(|_| work());

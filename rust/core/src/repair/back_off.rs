@@ -82,36 +82,27 @@ impl<'a> BackOff<'a> {
             let is_late = round >= PATIENCE;
             self.block(search, is_late);
             let (mut clusters, cluster_of_point) = self.clusters();
-            let count = clusters.len();
-            let in_fold = |search: &Search| {
-                let mut found = vec![false; count];
-                for point in search.pairs().iter().flat_map(|&pair| search.corners(pair)) {
-                    if let Some(cluster) = cluster_of_point[point as usize] {
-                        found[cluster as usize] = true;
-                    }
+            let is_open = in_fold(search, &cluster_of_point, clusters.len());
+            let open = |clusters: &mut [Cluster], part: &dyn Fn(usize) -> f64| {
+                for (index, cluster) in clusters.iter_mut().enumerate().filter(|(index, _)| is_open[*index]) {
+                    cluster.part = part(index);
                 }
-                found
             };
-            let is_open = in_fold(search);
             let mut bounds: Vec<(f64, f64)> = clusters.iter().map(|cluster| (0.0, cluster.part)).collect();
-            let steps = if is_late { 0 } else { HALVINGS + 1 };
-            for step in 0..steps {
-                for ((cluster, (low, high)), _) in clusters.iter_mut().zip(&bounds).zip(&is_open).filter(|(_, open)| **open) {
-                    // That points have joined may be all that was needed.
-                    cluster.part = if step == 0 { *high } else { 0.5 * (low + high) };
+            for step in 0..if is_late { 0 } else { HALVINGS + 1 } {
+                if bounds.iter().zip(&is_open).all(|((low, high), is_open)| !is_open || low == high) {
+                    break;
                 }
+                // That points have joined may be all that was needed.
+                let middle = |(low, high): (f64, f64)| if step == 0 { high } else { 0.5 * (low + high) };
+                open(&mut clusters, &|index| middle(bounds[index]));
                 search.move_to(self.places(&self.shares_of(&clusters)));
-                for ((bound, cluster), is_in_fold) in bounds.iter_mut().zip(&clusters).zip(in_fold(search)) {
-                    if is_in_fold {
-                        bound.1 = cluster.part;
-                    } else {
-                        bound.0 = bound.0.max(cluster.part);
-                    }
+                let is_in_fold = in_fold(search, &cluster_of_point, clusters.len());
+                for ((bound, cluster), is_in_fold) in bounds.iter_mut().zip(&clusters).zip(is_in_fold) {
+                    *bound = if is_in_fold { (bound.0, cluster.part) } else { (bound.0.max(cluster.part), bound.1) };
                 }
             }
-            for ((cluster, (low, _)), _) in clusters.iter_mut().zip(bounds).zip(&is_open).filter(|(_, open)| **open) {
-                cluster.part = low;
-            }
+            open(&mut clusters, &|index| bounds[index].0);
             for cluster in &clusters {
                 for &point in &cluster.points {
                     self.parts[point as usize] = cluster.part;
@@ -179,4 +170,15 @@ impl<'a> BackOff<'a> {
         }
         (clusters, cluster_of_point)
     }
+}
+
+/// Which clusters have points in folds.
+fn in_fold(search: &Search, cluster_of_point: &[Option<u32>], count: usize) -> Vec<bool> {
+    let mut found = vec![false; count];
+    for point in search.pairs().iter().flat_map(|&pair| search.corners(pair)) {
+        if let Some(cluster) = cluster_of_point[point as usize] {
+            found[cluster as usize] = true;
+        }
+    }
+    found
 }

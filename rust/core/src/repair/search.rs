@@ -34,9 +34,10 @@ impl<'a> Search<'a> {
     pub fn move_to(&mut self, places: Vec<DVec3>) -> &[(u32, u32)] {
         let Self { skin, skinned, fitted, pairs, .. } = self;
         let (before, triangles) = (&self.places, &skin.triangles);
-        let moved = |corners: &[u32; 3]| corners.iter().any(|&i| before[i as usize] != places[i as usize]);
-        let has_moved: Vec<bool> = triangles.par_iter().with_min_len(CHUNK).map(moved).collect();
-        if has_moved.contains(&true) {
+        let moved: Vec<bool> = before.iter().zip(&places).map(|(before, now)| before != now).collect();
+        if moved.contains(&true) {
+            let is_moved = |corners: &[u32; 3]| corners.iter().any(|&i| moved[i as usize]);
+            let has_moved: Vec<bool> = triangles.par_iter().with_min_len(CHUNK).map(is_moved).collect();
             pairs.retain(|&(a, b)| !has_moved[a as usize] && !has_moved[b as usize]);
             skin.tree.refit(fitted, triangles, &places, &has_moved);
             let is_new = |a: u32, b: u32| {
