@@ -13,7 +13,7 @@ use crate::supports::Supports;
 /// Relative error that the volume may have after repair; more is a failure of the repair.
 const EXACT: f64 = 1e-12;
 /// Times that the volume is given back with more and more points held.
-const ROUNDS: usize = 24;
+const ROUNDS: usize = 16;
 /// From this round on neighbours of folds are held too.
 const PATIENCE: usize = 4;
 

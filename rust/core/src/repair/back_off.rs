@@ -8,11 +8,11 @@ use super::skin::Skin;
 use crate::union_find::UnionFind;
 
 /// Rounds in which folds are backed off; each takes in at least one more point, or takes some further back.
-const ROUNDS: usize = 32;
+const ROUNDS: usize = 20;
 /// From this round on clusters go back the whole way at once, and take in their neighbours.
 const PATIENCE: usize = 6;
 /// Halvings of the part of the way that a cluster keeps.
-const HALVINGS: usize = 5;
+const HALVINGS: usize = 4;
 /// Changes fade out over so many times the largest displacement of their cluster.
 const EASE: f64 = 4.0;
 
