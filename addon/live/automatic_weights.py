@@ -20,8 +20,8 @@ class Options:
     """As `turgor.automatic_weights` takes them; 0 stands for automatic and for any number."""
 
     resolution: int = 0
-    falloff: float = 4.0
-    smoothing: float = 0.5
+    falloff: float = 12.0
+    smoothing: float = 0.8
     max_influences: int = 4
     use_symmetry: bool = False
     keep_locked: bool = True
@@ -48,6 +48,7 @@ class Job:
             raise WeightError(message("{armature} has no deform bone: turn Deform on for its bones", armature=rig.name))
         self._targets = [weight_groups.read_target(ob) for ob in self.objects]
         self._ends = weight_groups.read_bone_ends(rig, self.names)
+        self._stiffness = weight_groups.read_stiffness(rig, self.names)
         self._plane = weight_groups.mirror_plane(rig)
         self._partners = weight_groups.mirrored_bones(self.names)
         locked = {name for target in self._targets for name in target.locked_names} if options.keep_locked else set()
@@ -76,6 +77,7 @@ class Job:
             falloff=options.falloff,
             smoothing=options.smoothing,
             max_influences=options.max_influences or None,
+            stiffness=self._stiffness,
             is_solid=is_solid,
             is_locked=self._is_locked,
             locked_weights=merging.joined([*self._existing, none]),

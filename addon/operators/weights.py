@@ -36,15 +36,15 @@ class _Weights:
     falloff: FloatProperty(
         name="Falloff",
         description="How fast a bone's hold falls with distance",
-        default=4.0,
+        default=12.0,
         min=0.5,
         max=32.0,
-        soft_max=8.0,
+        soft_max=24.0,
     )
     smoothing: FloatProperty(
         name="Smoothing",
         description="How far the skin evens weights out, in distances to the nearest bone",
-        default=0.5,
+        default=0.8,
         min=0.0,
         max=10.0,
         soft_max=2.0,

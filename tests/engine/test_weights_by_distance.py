@@ -338,3 +338,70 @@ def test_bad_meshes_and_bones_are_refused():
             turgor.automatic_weights(meshes, heads, tails)
     with pytest.raises(turgor.TurgorError, match="need \\(positions, face_offsets, face_corners\\) each"):
         turgor.automatic_weights([MESH[0]], HEADS, TAILS)  # pyright: ignore[reportArgumentType]
+
+
+def test_cutting_bones_in_two_hardly_changes_what_they_hold():
+    whole = limb()
+    parts = Body(whole.meshes, *limb_bones(2 * LIMB_BONES))
+    halves = parts.matrix(max_influences=None)
+    np.testing.assert_allclose(halves[:, ::2] + halves[:, 1::2], whole.matrix(max_influences=None), atol=0.03)
+
+
+def test_transitions_cost_less_than_those_of_bone_heat():
+    """The product does not depend on how wide a transition is: 3/16 for bone heat's, an exponential one.
+
+    Turning a joint of a straight limb costs volume in proportion to the integral of w (1 - w) along it, and stretch to
+    that of the slope squared.
+    """
+    rings, radius = 161, 0.5
+    body = Body([tube(rings=rings, sides=24)], *limb_bones(2))
+    x = np.linspace(0.0, 4.0, rings)
+    w = body.matrix()[: rings * 24, 1].reshape(rings, 24).mean(axis=1)
+    inner = (x > 0.5) & (x < 3.5)
+    step = x[1] - x[0]
+    volume = (w * (1.0 - w))[inner].sum() * step / radius
+    stretch = (np.gradient(w, step) ** 2)[inner].sum() * step * radius
+    assert volume < 0.36
+    assert stretch < 0.525
+    assert volume * stretch < 3 / 16
+
+
+def test_skin_belongs_to_the_bone_that_it_wraps():
+    """A limb stands out of a trunk, its bone starts inside: the trunk's side about it is the trunk's all the same."""
+    trunk = box([-0.6, -2.0, -0.6], [0.6, 2.0, 0.6], 12)
+    arm = box([0.5, -0.25, -0.25], [3.0, 0.25, 0.25], 12)
+    ends = bones([[0.0, -2.0, 0.0], [0.0, 2.0, 0.0]], [[0.3, 0.0, 0.0], [3.0, 0.0, 0.0]])
+    body = Body([trunk.joined(arm)], *ends)
+    weights = body.matrix()
+    x, y, _ = body.positions.T
+    side = (np.abs(x - 0.6) < 1e-9) & (np.abs(y) > 0.6) & (np.arange(len(x)) < len(trunk.positions))
+    assert (weights[side, 0] > 0.75).all()
+    assert (weights[x > 1.2, 1] > 0.95).all()
+
+
+def test_clothes_hardly_change_the_weights_of_the_skin_below():
+    skin = tube(rings=41, sides=16)
+    for is_solid in (True, False):
+        shirt = Body([skin, open_tube(rings=41, sides=16, radius=0.6)], *limb_bones(LIMB_BONES))
+        dressed = shirt.matrix(is_solid=[True, is_solid])[: len(skin.positions)]
+        np.testing.assert_allclose(dressed, limb().matrix(), atol=0.02)
+
+
+@pytest.mark.parametrize("corner", [(0.34, 0.33, 0.33), (0.48, 0.48, 0.04), (0.96, 0.02, 0.02), (0.8, 0.19, 0.01)])
+def test_thin_triangles_on_the_same_surface_change_little(corner: tuple[float, float, float]):
+    """Every triangle of a beam is cut into three about a point close to a side or a corner."""
+    beam = box([0.0, -0.5, -0.5], [4.0, 0.5, 0.5], 16)
+    triangles = [[face[i] for i in part] for face in beam.faces for part in ((0, 1, 2), (0, 2, 3))]
+    added = [
+        np.array(corner) @ beam.positions[np.roll(triangle, -number % 3)] for number, triangle in enumerate(triangles)
+    ]
+    count = len(beam.positions)
+    cut = [
+        [triangle[i], triangle[(i + 1) % 3], count + number]
+        for number, triangle in enumerate(triangles)
+        for i in range(3)
+    ]
+    ends = limb_bones(2)
+    plain = Body([Surface(beam.positions, triangles)], *ends).matrix()
+    found = Body([Surface(np.vstack([beam.positions, added]), cut)], *ends).matrix()
+    np.testing.assert_allclose(found[:count], plain, atol=0.03)

@@ -835,8 +835,8 @@ def automatic_weights(
     bone_tails: ArrayLike,
     *,
     resolution: int | None = None,
-    falloff: float = 4.0,
-    smoothing: float = 0.5,
+    falloff: float = 12.0,
+    smoothing: float = 0.8,
     max_influences: int | None = 4,
     stiffness: ArrayLike | None = None,
     is_solid: ArrayLike | None = None,
@@ -857,7 +857,8 @@ def automatic_weights(
     resolution: voxels along the longest side of the body, 8 to 1024; None: as many as the body needs. Parts two voxels
         apart are apart.
     falloff: exponent by which a bone's hold falls with distance, 0.5 to 32; larger is sharper.
-    smoothing: length over which the skin evens weights out, in distances to the nearest bone, 0 to 10.
+    smoothing: length over which the skin evens weights out, in distances to the nearest bone, taken half way into the
+        flesh, 0 to 10.
     max_influences: bones per vertex; None: any number. Weights fade towards the limit, none is cut off.
     stiffness: (B,) > 0, a bone of 2 holds as if it were at half the distance; None: 1.
     is_solid: (M,) which meshes are the body; the others (clothes) take from its nearest place; None: all.

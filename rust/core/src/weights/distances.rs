@@ -1,18 +1,21 @@
-//! Distances of all points of the skin to all bones, inside of the body: straight where the bone sees the voxels about a
-//! point, else by the voxels.
+//! Distances of places under the skin to all bones, inside of the body: straight where the bone sees the voxels about a
+//! place, else by the voxels.
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::geodesic::Front;
+use super::inset;
 use super::sampling::Sampler;
+use super::skin::Skin;
 use super::solid::Solid;
 use super::sources::{contact, near_sources, sources, straight_distance};
+use super::voxels::Voxels;
 use crate::csr::Csr;
 use crate::error::Result;
 
 /// Part of a voxel that surfaces lie from their outermost centres.
-const SKIN: f64 = 0.5;
+pub const SKIN: f64 = 0.5;
 /// How far bones see while only the nearest one is wanted, in voxels.
 const VIEW: f64 = 4.0;
 /// Voxels beyond the bound of a bone's influence where distances are still found, for places that see them.
@@ -29,7 +32,7 @@ pub struct Distances {
 impl Distances {
     /// `range` is how many times farther than its nearest bone a bone may be and still count: no farther ones are found.
     /// `step` is called with the part that is done.
-    pub fn inside(solid: &Solid, bones: &[[DVec3; 2]], range: f64, mut step: impl FnMut(f64) -> Result<()>) -> Result<Self> {
+    pub fn inside(solid: &Solid, skin: &Skin, bones: &[[DVec3; 2]], range: f64, mut step: impl FnMut(f64) -> Result<()>) -> Result<Self> {
         let voxels = &solid.voxels;
         let bones: Vec<[DVec3; 2]> = bones.iter().map(|bone| bone.map(|p| solid.lattice.in_voxels(p))).collect();
         let contacts: Vec<f64> = bones.par_iter().map(|&bone| contact(voxels, bone)).collect();
@@ -39,10 +42,14 @@ impl Distances {
         for &(voxel, _) in starts.iter().flatten() {
             reached_parts[voxels.part[voxel as usize] as usize] = true;
         }
-        let rows = Sampler::new(voxels, &reached_parts).rows(&solid.points);
+        let mut front = Front::default();
+        front.spread(voxels, &starts.concat(), None);
+        let sampler = Sampler::new(voxels, &reached_parts);
+        let places = inset::places(solid, skin, &sampler.rows(&solid.points), &front.distances);
+        let rows = sampler.rows(&places);
         step(0.1)?;
-        let bounds = bounds(solid, &starts.concat(), &rows, range as f32);
-        let count = solid.points.len();
+        let bounds = bounds(voxels, front, &rows, range as f32);
+        let count = places.len();
         let mut columns = vec![0.0f32; count * bones.len()];
         let batch = rayon::current_num_threads();
         for (first, columns) in columns.chunks_mut(batch * count.max(1)).enumerate() {
@@ -54,11 +61,11 @@ impl Distances {
                 for &(voxel, distance) in &seen {
                     is_seen[voxel as usize] = front.distances[voxel as usize] == distance;
                 }
-                for ((distance, row), &place) in column.iter_mut().zip(rows.rows()).zip(&solid.points) {
-                    let straight = straight_distance(bone, place);
+                for ((distance, row), &place) in column.iter_mut().zip(rows.rows()).zip(&places) {
+                    let straight = straight_distance(bone, place) as f32;
+                    let beyond = (voxels.least_distance(row, place) - SKIN).max(0.0) as f32;
                     let by_way_of = |&(voxel, weight): &(u32, f32)| {
-                        let beyond = || (voxels.centre(voxel).distance(place) - SKIN).max(0.0) as f32;
-                        weight * if is_seen[voxel as usize] { straight as f32 } else { front.distances[voxel as usize] + beyond() }
+                        weight * if is_seen[voxel as usize] { straight } else { front.distances[voxel as usize] + beyond }
                     };
                     *distance = row.iter().map(by_way_of).sum();
                 }
@@ -83,17 +90,15 @@ impl Distances {
     }
 }
 
-/// Per voxel the largest distance of a bone that may still count at some point of the skin beyond it: with m the distance
-/// to the nearest bone, the maximum over voxels y that points see of range m(y) − distance(x, y). Found by one front
-/// that starts from all y.
-fn bounds(solid: &Solid, starts: &[(u32, f32)], rows: &Csr<(u32, f32)>, range: f32) -> Vec<f32> {
-    let mut front = Front::default();
-    front.spread(&solid.voxels, starts, None);
-    let mut is_seen = vec![false; solid.voxels.len()];
+/// Per voxel the largest distance of a bone that may still count at some place beyond it: with m the distance to the
+/// nearest bone, which `front` has found, the maximum over voxels y that places see of range m(y) − distance(x, y). Found
+/// by one front that starts from all y.
+fn bounds(voxels: &Voxels, mut front: Front, rows: &Csr<(u32, f32)>, range: f32) -> Vec<f32> {
+    let mut is_seen = vec![false; voxels.len()];
     for &(voxel, _) in rows.values() {
         is_seen[voxel as usize] = true;
     }
-    let mut limits: Vec<(u32, f32)> = (0..solid.voxels.len() as u32)
+    let mut limits: Vec<(u32, f32)> = (0..voxels.len() as u32)
         .filter(|&voxel| is_seen[voxel as usize])
         .map(|voxel| (voxel, range * front.distances[voxel as usize] + SLACK))
         .filter(|limit| limit.1.is_finite())
@@ -102,6 +107,6 @@ fn bounds(solid: &Solid, starts: &[(u32, f32)], rows: &Csr<(u32, f32)>, range: f
     for limit in &mut limits {
         limit.1 = top - limit.1;
     }
-    front.spread(&solid.voxels, &limits, None);
+    front.spread(voxels, &limits, None);
     front.distances.iter().map(|below| top - below).collect()
 }

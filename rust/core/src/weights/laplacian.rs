@@ -1,16 +1,20 @@
 //! The cotangent Laplacian of a polygon surface, safe on any mesh.
 //!
-//! Weights of edges are never negative, so that a diffused weight stays between the weights it comes from. Quads count
-//! as the mean of their two triangulations and larger polygons as a fan about a point of their own.
+//! Of the intrinsic Delaunay triangulation, so that weights are not negative and a diffused weight stays between the
+//! weights it comes from; what is negative at borders is left out. Quads count as the mean of their two triangulations
+//! and larger polygons as a fan about a point of their own.
 
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::delaunay::{Triangulation, double_area};
 use super::polygons::{Cut, cut};
 use crate::csr::Csr;
 
 /// Area of a triangle against its squared sides below which cotangents grow no further.
 const SLIVER: f64 = 1e-4;
+/// Weights below are rounding of corners on one circle.
+const LEAST_WEIGHT: f64 = 1e-9;
 
 /// Edges with their weights, masses of points. Points behind those of the mesh are the middles of polygons.
 pub struct Laplacian {
@@ -24,64 +28,67 @@ pub struct Laplacian {
 
 impl Laplacian {
     pub fn new(points: &[DVec3], faces: &Csr<u32>) -> Self {
-        let mut all = Parts { points: points.to_vec(), masses: vec![0.0; points.len()], edges: Vec::new() };
+        let mut points = points.to_vec();
         let mut polygons = Csr::default();
+        let (mut triangles, mut quads) = (Vec::new(), Vec::new());
         for face in faces.rows() {
             match *face {
-                [a, b, c] => all.add([a, b, c], 1.0),
-                [a, b, c, d] => {
-                    for triangle in [[a, b, c], [c, d, a], [b, c, d], [d, a, b]] {
-                        all.add(triangle, 0.5);
-                    }
-                }
+                [a, b, c] => triangles.push([a, b, c]),
+                [a, b, c, d] => quads.push([a, b, c, d]),
                 _ => match cut(&face.iter().map(|&p| points[p as usize]).collect::<Vec<_>>()) {
-                    Cut::Ears(ears) => ears.iter().for_each(|ear| all.add(ear.map(|i| face[i]), 1.0)),
+                    Cut::Ears(ears) => triangles.extend(ears.iter().map(|ear| ear.map(|i| face[i]))),
                     Cut::Fan(mean) => {
-                        let middle = all.points.len() as u32;
-                        all.points.push(mean);
-                        all.masses.push(0.0);
+                        let middle = points.len() as u32;
+                        points.push(mean);
                         polygons.push_row(face.iter().copied());
-                        for (i, &a) in face.iter().enumerate() {
-                            all.add([a, face[(i + 1) % face.len()], middle], 1.0);
-                        }
+                        triangles.extend(face.iter().enumerate().map(|(i, &a)| [a, face[(i + 1) % face.len()], middle]));
                     }
                 },
             }
         }
+        let with_diagonal = |first: usize| {
+            let half = move |q: &[u32; 4]| [0, 2].map(|turn| [0, 1, 2].map(|i| q[(first + turn + i) % 4]));
+            Triangulation::new(&points, triangles.iter().copied().chain(quads.iter().flat_map(half)))
+        };
+        let both: Vec<Triangulation> = (0..if quads.is_empty() { 1 } else { 2 }).into_par_iter().map(with_diagonal).collect();
+        let mut parts = Parts { masses: vec![0.0; points.len()], edges: Vec::new() };
+        for triangulation in &both {
+            for (corners, lengths) in triangulation.corners.iter().zip(&triangulation.lengths) {
+                parts.add(*corners, *lengths, 1.0 / both.len() as f64);
+            }
+        }
         // A stable sort: sums are the same from any number of threads.
-        all.edges.par_sort_by_key(|edge| (edge.0, edge.1));
-        let edges = all
+        parts.edges.par_sort_by_key(|edge| (edge.0, edge.1));
+        let edges = parts
             .edges
             .chunk_by(|a, b| (a.0, a.1) == (b.0, b.1))
             .map(|run| (run[0].0, run[0].1, run.iter().map(|edge| edge.2).sum::<f64>()))
-            .filter(|edge| edge.2 > 0.0)
+            .filter(|edge| edge.2 > LEAST_WEIGHT)
             .collect();
-        Self { edges, masses: all.masses, polygons }
+        Self { edges, masses: parts.masses, polygons }
     }
 }
 
 struct Parts {
-    points: Vec<DVec3>,
     masses: Vec<f64>,
     edges: Vec<(u32, u32, f64)>,
 }
 
 impl Parts {
     /// Half the cotangent of each angle goes to the edge across.
-    fn add(&mut self, triangle: [u32; 3], share: f64) {
-        let [a, b, c] = triangle.map(|p| self.points[p as usize]);
-        let double_area = (b - a).cross(c - a).length();
-        let squares = (b - a).length_squared() + (c - b).length_squared() + (a - c).length_squared();
-        if squares == 0.0 {
+    fn add(&mut self, corners: [u32; 3], lengths: [f64; 3], share: f64) {
+        let double_area = double_area(lengths);
+        let squares = lengths.map(|l| l * l);
+        let sum: f64 = squares.iter().sum();
+        if sum == 0.0 {
             return;
         }
-        let across = double_area.max(SLIVER * squares);
+        let across = double_area.max(SLIVER * sum);
         for i in 0..3 {
-            let [p, q, r] = [0, 1, 2].map(|k| triangle[(i + k) % 3]);
-            let [at, left, right] = [p, q, r].map(|p| self.points[p as usize]);
+            let (p, q) = (corners[i], corners[(i + 1) % 3]);
             self.masses[p as usize] += share * double_area / 6.0;
-            if q != r {
-                self.edges.push((q.min(r), q.max(r), share * 0.5 * (left - at).dot(right - at) / across));
+            if p != q {
+                self.edges.push((p.min(q), p.max(q), share * 0.25 * (sum - 2.0 * squares[i]) / across));
             }
         }
     }
@@ -97,8 +104,12 @@ mod tests {
         let mut faces = Csr::default();
         faces.push_row([0, 1, 2, 3]);
         let laplacian = Laplacian::new(&points, &faces);
-        assert_eq!(laplacian.edges, vec![(0, 1, 0.5), (0, 3, 0.5), (1, 2, 0.5), (2, 3, 0.5)]);
-        assert_eq!(laplacian.masses, vec![0.25; 4]);
+        for (edge, ends) in laplacian.edges.iter().zip([(0, 1), (0, 3), (1, 2), (2, 3)]) {
+            assert_eq!((edge.0, edge.1), ends);
+            assert!((edge.2 - 0.5).abs() < 1e-12);
+        }
+        assert_eq!(laplacian.edges.len(), 4);
+        assert!(laplacian.masses.iter().all(|mass| (mass - 0.25).abs() < 1e-12));
     }
 
     #[test]

@@ -3,10 +3,12 @@
 //! Everything is measured in voxels, so that the unit of the scene does not matter.
 
 mod crossings;
+mod delaunay;
 mod diffusion;
 mod distances;
 mod geodesic;
 mod initial;
+mod inset;
 mod laplacian;
 mod lattice;
 mod limits;
@@ -69,7 +71,7 @@ pub struct WeightSettings<'a> {
     pub resolution: Option<usize>,
     /// How fast a bone's hold falls with distance: its exponent.
     pub falloff: f64,
-    /// Length over which the skin evens weights out, as a part of the distance to the nearest bone.
+    /// Length over which the skin evens weights out, as a part of the distance to the nearest bone from under the skin.
     pub smoothing: f64,
     /// Influences that a vertex may have; None: any number.
     pub max_influences: Option<usize>,
@@ -79,7 +81,7 @@ pub struct WeightSettings<'a> {
 
 impl Default for WeightSettings<'_> {
     fn default() -> Self {
-        Self { resolution: None, falloff: 4.0, smoothing: 0.5, max_influences: Some(4), symmetry: None }
+        Self { resolution: None, falloff: 12.0, smoothing: 0.8, max_influences: Some(4), symmetry: None }
     }
 }
 
@@ -134,7 +136,7 @@ pub fn automatic_weights(
         let stiffness = |pick: fn(f64, f64) -> f64, start| bones.stiffness.map_or(1.0, |s| s.iter().copied().fold(start, pick));
         // The nearest bone may be the least stiff one, and another the most stiff.
         let spread = stiffness(f64::max, 0.0) / stiffness(f64::min, f64::INFINITY);
-        Distances::inside(solid, &segments, initial::range(settings.falloff) * spread, |part| step(0.1, 0.7, part))?
+        Distances::inside(solid, &skin, &segments, initial::range(settings.falloff) * spread, |part| step(0.1, 0.7, part))?
     } else {
         let unit = Extent::of(segments.iter().flatten().copied()).map_or(1.0, |e| e.diagonal() / 128.0);
         Distances::straight(&skin.points, &segments, skin.is_solid.len(), if unit > 0.0 { unit } else { 1.0 })

@@ -71,6 +71,16 @@ impl Solid {
         (!voxels.is_empty()).then_some(Self { lattice, voxels, points, cells_of_shell })
     }
 
+    /// Whether a place is in a voxel of a shell; where that is not of the body, in one of the body.
+    pub fn has(&self, shell: u32, p: DVec3) -> bool {
+        let cells = &self.cells_of_shell[shell as usize];
+        if cells.is_empty() {
+            self.voxels.is_solid_at(p)
+        } else {
+            self.voxels.cell_at(p).is_some_and(|cell| cells.binary_search(&cell).is_ok())
+        }
+    }
+
     /// Per shell, whether it has a voxel in one of some parts.
     pub fn shells_in(&self, is_in: &[bool]) -> Vec<bool> {
         let part = |&cell: &u32| match self.voxels.of_cell(cell) {

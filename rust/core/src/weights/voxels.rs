@@ -112,6 +112,23 @@ impl Voxels {
         self.index(cell).is_some_and(|cell| self.solid[cell as usize / 64] >> (cell % 64) & 1 == 1)
     }
 
+    /// Whether a place is in a voxel.
+    #[inline]
+    pub fn is_solid_at(&self, p: DVec3) -> bool {
+        self.cell_at(p).is_some_and(|cell| self.of_cell(cell) != NONE)
+    }
+
+    /// Index of the cell of the lattice that a place is in.
+    #[inline]
+    pub fn cell_at(&self, p: DVec3) -> Option<u32> {
+        self.index(p.floor().to_array().map(|x| x as i64))
+    }
+
+    /// From a place to the nearest centre of some voxels, which are given with their weights.
+    pub fn least_distance(&self, row: &[(u32, f32)], p: DVec3) -> f64 {
+        row.iter().map(|(voxel, _)| self.centre(*voxel).distance(p)).fold(f64::INFINITY, f64::min)
+    }
+
     #[inline]
     fn index(&self, cell: [i64; 3]) -> Option<u32> {
         let is_within = (0..3).all(|i| cell[i] >= 0 && cell[i] < self.dims[i] as i64);

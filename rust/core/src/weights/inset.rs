@@ -1,0 +1,94 @@
+//! Places in the flesh under the skin, half of the way to the nearest bone: there bones are compared.
+//!
+//! Skin belongs to the bone that it wraps, which need not be the nearest one: at an armpit or a groin the skin of the
+//! trunk is as near to the limb's bone. Under the skin the right one is nearer.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::distances::SKIN;
+use super::skin::Skin;
+use super::solid::Solid;
+use super::voxels::Voxels;
+use crate::csr::Csr;
+
+/// Part of the way to the nearest bone, and at most of the way through the flesh.
+const DEPTH: f64 = 0.5;
+/// How far beneath and above a face is looked for flesh, in voxels.
+const PROBE: f64 = 1.5;
+/// Steps of the way through the flesh, in voxels.
+const STEP: f64 = 0.5;
+/// Part of a shell's area, and of the angle about a point, by which faces must agree on the side where the flesh is.
+const AGREEMENT: f64 = 0.1;
+/// Places per parallel piece.
+const CHUNK: usize = 1024;
+
+/// One place per point of the skin. `rows` are the voxels that the points see, `nearest` per voxel the distance to the
+/// nearest bone. Skin without an inside stays where it is; what hovers takes the place of the skin below it.
+pub fn places(solid: &Solid, skin: &Skin, rows: &Csr<(u32, f32)>, nearest: &[f32]) -> Vec<DVec3> {
+    let inward = inward(solid, skin);
+    let voxels = &solid.voxels;
+    let place = |point: usize| {
+        let p = solid.points[point];
+        let row = rows.row(point);
+        let mean: DVec3 = row.iter().map(|&(voxel, weight)| f64::from(weight) * voxels.centre(voxel)).sum();
+        let to_bone: f64 = row.iter().map(|&(voxel, weight)| f64::from(weight * nearest[voxel as usize])).sum::<f64>() + SKIN;
+        let hovering = (voxels.least_distance(row, p) - 1.0).clamp(0.0, 1.0);
+        let from = p + hovering * (mean - p);
+        let along = (1.0 - hovering) * inward[point] + hovering * (mean - p).normalize_or_zero();
+        let depth = (DEPTH * to_bone).min(DEPTH * way_through(voxels, from, along, to_bone));
+        from + depth * along
+    };
+    (0..solid.points.len()).into_par_iter().with_min_len(CHUNK).map(place).collect()
+}
+
+/// Per point the direction in which its flesh is, of length 1; shorter to 0 where it is on no side. Which way a shell is
+/// turned does not matter, only where it is solid.
+fn inward(solid: &Solid, skin: &Skin) -> Vec<DVec3> {
+    let area_of = |face: usize| {
+        let corners = skin.faces.row(face);
+        let at = |i: usize| solid.points[corners[i % corners.len()] as usize];
+        let mean = (0..corners.len()).map(at).sum::<DVec3>() / corners.len() as f64;
+        let area = 0.5 * (0..corners.len()).map(|i| (at(i) - mean).cross(at(i + 1) - mean)).sum::<DVec3>();
+        let probe = PROBE * area.normalize_or_zero();
+        let is_flesh = |p: DVec3| f64::from(u8::from(solid.has(skin.shell_of_face[face], p)));
+        (area, is_flesh(mean + probe) - is_flesh(mean - probe))
+    };
+    let areas: Vec<(DVec3, f64)> = (0..skin.faces.len()).into_par_iter().with_min_len(CHUNK).map(area_of).collect();
+    // Faces of a shell are turned alike, so all of it has a say: in a narrow fold there is flesh on both sides.
+    let mut votes = vec![(0.0, 0.0); skin.is_solid.len()];
+    let mut sums = vec![(DVec3::ZERO, 0.0); solid.points.len()];
+    for ((corners, &shell), &(area, side)) in skin.faces.rows().zip(&skin.shell_of_face).zip(&areas) {
+        let (vote, whole) = &mut votes[shell as usize];
+        *vote += side * area.length();
+        *whole += area.length();
+        let at = |i: usize| solid.points[corners[i % corners.len()] as usize];
+        for (i, &point) in corners.iter().enumerate() {
+            // By angles: the direction does not depend on how large the faces about a point are.
+            let angle = angle_between(at(i + 1) - at(i), at(i + corners.len() - 1) - at(i));
+            sums[point as usize].0 += angle * area.normalize_or_zero();
+            sums[point as usize].1 += angle;
+        }
+    }
+    let direction = |(&(sum, whole), &shell): (&(DVec3, f64), &u32)| match votes.get(shell as usize) {
+        Some(&(vote, all)) if whole > 0.0 && all > 0.0 => {
+            (vote / (AGREEMENT * all)).clamp(-1.0, 1.0) * sum / sum.length().max(AGREEMENT * whole)
+        }
+        _ => DVec3::ZERO,
+    };
+    sums.iter().zip(&skin.shell_of_point).map(direction).collect()
+}
+
+fn angle_between(a: DVec3, b: DVec3) -> f64 {
+    a.cross(b).length().atan2(a.dot(b))
+}
+
+/// Length of the way from the skin through the flesh, up to `most`.
+fn way_through(voxels: &Voxels, from: DVec3, along: DVec3, most: f64) -> f64 {
+    let mut way = STEP;
+    // The skin lies up to a voxel beside the solid.
+    while way < most && (way <= 1.0 || voxels.is_solid_at(from + way * along)) {
+        way += STEP;
+    }
+    if way < most { way - STEP } else { most }
+}
