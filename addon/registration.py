@@ -25,6 +25,7 @@ from .operators.spine import OBJECT_OT_turgor_spine_add, OBJECT_OT_turgor_spine_
 from .operators.spine import draw as draw_add_spine
 from .overlays import spine as spine_overlay
 from .overlays import volume as volume_overlay
+from .panels import bone as bone_panel
 from .panels.bake import TURGOR_PT_bake, TURGOR_PT_baked, TURGOR_PT_spine_bake
 from .panels.curves import TURGOR_PT_curves
 from .panels.display import TURGOR_PT_display, TURGOR_PT_performance
@@ -87,6 +88,7 @@ def register() -> None:
     joint_presets.register()
     joint_assets.register()
     weights.register()
+    bpy.types.BONE_PT_deform.append(bone_panel.draw)
     handlers.register()
     spine_overlay.register()
     volume_overlay.register()
@@ -98,6 +100,7 @@ def unregister() -> None:
     volume_overlay.unregister()
     spine_overlay.unregister()
     handlers.unregister()
+    bpy.types.BONE_PT_deform.remove(bone_panel.draw)
     weights.unregister()
     joint_assets.unregister()
     joint_presets.unregister()

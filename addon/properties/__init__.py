@@ -1,8 +1,9 @@
-"""Saved settings: under `Object.turgor` on characters and carriers, under `Object.turgor_spine` on fleshed bodies."""
+"""Saved settings: `Object.turgor` of characters and carriers, `Object.turgor_spine` of fleshed bodies, and of bones."""
 
 import bpy
 from bpy.props import PointerProperty
 
+from . import bone
 from .bake import TurgorBake
 from .carrier import TurgorCarrier
 from .character import TurgorObject
@@ -36,9 +37,11 @@ def register() -> None:
     bpy.types.Object.turgor = PointerProperty(type=TurgorObject, override=OVERRIDABLE)
     bpy.types.Object.turgor_spine = PointerProperty(type=TurgorSpine, override=OVERRIDABLE)
     bpy.types.Object.turgor_bake = PointerProperty(type=TurgorBake, override=OVERRIDABLE)
+    bone.register()
 
 
 def unregister() -> None:
+    bone.unregister()
     del bpy.types.Object.turgor_bake
     del bpy.types.Object.turgor_spine
     del bpy.types.Object.turgor

@@ -67,6 +67,11 @@ def read_bone_ends(rig: bpy.types.Object, names: Sequence[str]) -> tuple[NDArray
     return _in_world(rig, heads), _in_world(rig, tails)
 
 
+def read_stiffness(rig: bpy.types.Object, names: Sequence[str]) -> NDArray[np.float64]:
+    """(B,) how strongly bones hold the skin, 1 unless the artist says otherwise."""
+    return np.array([rig.data.bones[name].turgor_stiffness for name in names], np.float64)
+
+
 def deform_bone_names(rig: bpy.types.Object) -> tuple[str, ...]:
     return tuple(bone.name for bone in rig.data.bones if bone.use_deform)
 

@@ -854,6 +854,12 @@ TEXTS: dict[str, str] = {
         "Punkte, die an der X-Achse der Armatur gespiegelt liegen, bekommen gespiegelte Gewichte"
     ),
     "Keep Locked": "Gesperrte behalten",
+    "Turgor Stiffness": "Turgor-Steifheit",
+    "How strongly the bone holds the skin when Turgor weights are made: at 2 as if it were at half its distance, at 0.5"
+    " as if at twice": (
+        "Wie stark der Knochen die Haut hält, wenn Turgor-Gewichte entstehen: bei 2, als wäre er halb so weit entfernt,"
+        " bei 0,5, als wäre er doppelt so weit entfernt"
+    ),
     "Locked vertex groups keep their weights, the others share what is left": (
         "Gesperrte Gruppen behalten ihre Gewichte, die anderen teilen sich den Rest"
     ),

@@ -273,3 +273,37 @@ def test_menus_offer_both():
     for menu, function in (("VIEW3D_MT_object_parent", "draw_parent"), ("VIEW3D_MT_paint_weight", "draw_paint")):
         drawn = getattr(bpy.types, menu).draw._draw_funcs
         assert any(draw.__name__ == function for draw in drawn)
+
+
+def test_stiff_bones_hold_more_and_plain_ones_as_ever():
+    ob, rig = tube(), armature()
+    parent(ob, rig)
+    plain = weights_of(ob)
+    rig.data.bones["Bone1"].turgor_stiffness = 1.5
+    parent(ob, rig)
+    stiff = weights_of(ob)
+    assert stiff[:, 1].sum() > 1.2 * plain[:, 1].sum()
+    for bone in rig.data.bones:
+        bone.turgor_stiffness = 1.5
+    parent(ob, rig)
+    np.testing.assert_allclose(weights_of(ob), plain, atol=1e-6)
+
+
+def test_stiffness_is_saved_edited_and_mirrored_with_its_bone(tmp_path):
+    rig = armature({"Hand.L": ((0.2, 0, 0), (2, 0, 0)), "Spine": ((0, 0, 0), (0, 0, 1))})
+    rig.data.bones["Hand.L"].turgor_stiffness = 2.0
+    select(rig)
+    bpy.ops.object.mode_set(mode="EDIT")
+    edited = rig.data.edit_bones
+    assert edited["Hand.L"].turgor_stiffness == 2.0
+    edited["Spine"].turgor_stiffness = 0.5
+    for bone in edited:
+        bone.select = bone.select_head = bone.select_tail = True
+    assert bpy.ops.armature.symmetrize() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    path = str(tmp_path / "rig.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    bones = bpy.data.armatures["Rig"].bones
+    found = {bone.name: bone.turgor_stiffness for bone in bones}
+    assert found == {"Hand.L": 2.0, "Hand.R": 2.0, "Spine": 0.5, "Control": 1.0}

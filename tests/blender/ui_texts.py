@@ -31,6 +31,9 @@ def of_classes(package: str) -> Iterator[str]:
     for prop in bpy.types.Object.bl_rna.properties:
         if prop.identifier.startswith("turgor"):
             yield from _of_struct(prop.fixed_type)
+    for prop in bpy.types.Bone.bl_rna.properties:
+        if prop.identifier.startswith("turgor"):
+            yield from _of_property(prop)
     for cls in bpy.types.AddonPreferences.__subclasses__():
         if cls.bl_idname == package:
             yield from _of_struct(cls.bl_rna)
