@@ -1,70 +1,74 @@
-"""Weights every case both ways, prints the table, writes pictures and report."""
+"""Weights every case both ways, prints the tables, writes pictures, page and report."""
 
 from __future__ import annotations
 
-import json
-from dataclasses import asdict
 from pathlib import Path
 
 import bpy
 import numpy as np
 import turgor
 
+from . import memory
 from .cases import CASES, Case, chain
+from .page import page
 from .pictures import Gallery
+from .report import Report, Trial
 from .shapes import limb
-from .trial import BLENDER, TURGOR, Result, make, parent, weigh
+from .trial import WAYS, make, parent, weigh, weigh_again
 
-WAYS = (BLENDER, TURGOR)
-# Rings and sides of tubes for times, and Turgor's resolution: as it comes and one that is compared.
-SIZES = ((132, 50, 128), (132, 50, 0), (1000, 100, 0))
-BONES = 17
+CHARACTERS = (
+    "elephant",
+    "giraffe",
+    "snake",
+    "bent_cylinder",
+    "three_segment_cylinder",
+    "four_bone_chain",
+    "twist_chain",
+)
+# Rings and sides of tubes for times, bones, Turgor's resolution (0: as it comes), and how often each way.
+SIZES = ((132, 50, 17, 128, 5), (132, 50, 17, 0, 5), (132, 50, 60, 0, 5), (1000, 100, 17, 0, 2), (1000, 100, 60, 0, 1))
+LARGE = (1000, 100)
 
 
 def show(output: Path) -> None:
-    """Writes report.json and the pictures."""
+    """Writes report.json, index.html and the pictures."""
     output.mkdir(parents=True, exist_ok=True)
+    report = Report(bpy.app.version_string, turgor.__version__)
+    for name in CHARACTERS:
+        found = {way: weigh_again(name, way) for way in WAYS}
+        strains = {way: strain for way, (strain, _) in found.items()}
+        report.characters.append(Trial(name.replace("_", " "), found[WAYS[0]][1], strains))
     # Not the factory settings: they would turn the extension off.
     bpy.ops.wm.read_homefile(use_empty=True)
     gallery = Gallery(output)
-    report: dict = {"blender": bpy.app.version_string, "turgor": turgor.__version__, "cases": {}, "times": {}}
-    print(f"{'':28}{'vertices':>9}  " + "".join(f"{way:^34}" for way in WAYS))
-    print(f"{'':28}{'':>9}  " + f"{'without':>8}{'sum - 1':>9}{'strain':>8}{'':>9}" * len(WAYS))
     for number, case in enumerate(CASES, 1):
         found = {way: weigh(case, way) for way in WAYS}
-        gallery.picture(number, case, {way: posed for way, (_, posed) in found.items()})
+        picture = gallery.picture(number, case, {way: posed for way, (_, posed) in found.items()})
         results = {way: result for way, (result, _) in found.items()}
-        print(_line(case, results), flush=True)
-        report["cases"][case.name] = {way: asdict(r) | {"is_good": r.is_good} for way, r in results.items()}
-    good = {way: sum(case[way]["is_good"] for case in report["cases"].values()) for way in WAYS}
-    print(f"\ngood: {BLENDER} {good[BLENDER]}, {TURGOR} {good[TURGOR]} of {len(CASES)}\n")
-    for rings, sides, resolution in SIZES:
-        seconds = _times(rings, sides, resolution)
-        ratio = seconds[TURGOR] / seconds[BLENDER]
+        strains = {way: result.strain for way, result in results.items()}
+        report.cases.append(Trial(case.name, next(iter(results.values())).vertex_count, strains, results, picture))
+    for rings, sides, bones, resolution, turns in SIZES:
         voxels = f"{resolution} voxels" if resolution else "automatic"
-        report["times"][f"{rings * sides}, {voxels}"] = seconds | {"ratio": ratio}
-        print(f"{rings * sides:>9,} vertices, {BONES} bones, {voxels}: ", end="")
-        print(", ".join(f"{way} {seconds[way]:.2f} s" for way in WAYS) + f", ratio {ratio:.2f}", flush=True)
-    (output / "report.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-    print(f"\nLook at the pictures in {output}")
+        report.times[f"{rings * sides:,} vertices, {bones} bones, {voxels}"] = _times(
+            rings, sides, bones, resolution, turns
+        )
+    for bones in (17, 60):
+        report.memory[f"{LARGE[0] * LARGE[1]:,} vertices, {bones} bones"] = memory.measured(*LARGE, bones)
+    print(report.text())
+    report.write(output / "report.json")
+    (output / "index.html").write_text(page(report), encoding="utf-8")
+    print(f"\nLook at {output / 'index.html'}")
 
 
-def _line(case: Case, results: dict[str, Result]) -> str:
-    columns = "".join(
-        f"{r.unweighted_count:>8}{r.sum_error:>9.0e}{r.distortion:>8.3f}{'good' if r.is_good else 'fails':>9}"
-        for r in (results[way] for way in WAYS)
-    )
-    return f"{case.name:28}{results[TURGOR].vertex_count:>9}  {columns}"
-
-
-def _times(rings: int, sides: int, resolution: int) -> dict[str, float]:
-    """Seconds each way takes, on a limb of as many vertices."""
-    bones = chain(*[(x, 0.0, 0.0) for x in np.linspace(0.0, 8.0, BONES + 1)])
-    case = Case("times", [limb((0, 0, 0), (8, 0, 0), rings=rings, sides=sides, caps=0)], bones, lambda *_: True)
-    seconds = {}
-    for way in WAYS:
-        meshes, rig = make(case)
-        seconds[way] = parent(meshes, rig, way, resolution)
-        for ob in [*meshes, rig]:
-            bpy.data.objects.remove(ob)
+def _times(rings: int, sides: int, bones: int, resolution: int, turns: int) -> dict[str, float]:
+    """Seconds each way takes on a limb of as many vertices, the least of some turns."""
+    joints = chain(*[(x, 0.0, 0.0) for x in np.linspace(0.0, 8.0, bones + 1)])
+    case = Case("times", [limb((0, 0, 0), (8, 0, 0), rings=rings, sides=sides, caps=0)], joints, lambda *_: True)
+    seconds = dict.fromkeys(WAYS, float("inf"))
+    for _ in range(turns):
+        for way in WAYS:
+            meshes, rig = make(case)
+            seconds[way] = min(seconds[way], parent(meshes, rig, way, resolution))
+            for ob in [*meshes, rig]:
+                bpy.data.objects.remove(ob)
     return seconds

@@ -9,11 +9,15 @@ from time import perf_counter
 import bpy
 import numpy as np
 
+from blend_fixtures import build
+
 from ..evaluated import positions
 from .cases import Case, Weights
+from .motion import Strain, strain
 from .shapes import Points
 
 BLENDER, TURGOR = "Blender", "Turgor"
+WAYS = (BLENDER, TURGOR)
 BEND = radians(50.0)
 
 
@@ -26,8 +30,7 @@ class Result:
     unweighted_count: int
     sum_error: float
     law_holds: bool
-    # Root mean square of relative changes of edge lengths, with all bones but the first bent.
-    distortion: float
+    strain: Strain
 
     @property
     def is_good(self) -> bool:
@@ -60,7 +63,7 @@ def weigh(case: Case, way: str) -> tuple[Result, Posed]:
             int((sums == 0.0).sum()),
             float(np.abs(sums[sums > 0.0] - 1.0).max(initial=0.0)),
             case.law(normalised, rest, index),
-            distortion(case, rest, bent),
+            strain(meshes, rig),
         )
         return result, Posed(bent, weights)
     finally:
@@ -68,6 +71,18 @@ def weigh(case: Case, way: str) -> tuple[Result, Posed]:
             data = ob.data
             bpy.data.objects.remove(ob)
             (bpy.data.meshes if isinstance(data, bpy.types.Mesh) else bpy.data.armatures).remove(data)
+
+
+def weigh_again(name: str, way: str) -> tuple[Strain, int]:
+    """A character of the fixtures, alone in the file, its weights thrown away and made anew; its number of vertices."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    body, rig = build(name)
+    rig.animation_data_clear()
+    body.vertex_groups.clear()
+    body.modifiers.clear()
+    body.parent = None
+    parent([body], rig, way)
+    return strain([body], rig), len(body.data.vertices)
 
 
 def make(case: Case) -> tuple[list[bpy.types.Object], bpy.types.Object]:
@@ -139,16 +154,3 @@ def bend(meshes: list[bpy.types.Object], rig: bpy.types.Object) -> Points:
         world = np.array(ob.matrix_world)
         placed.append(positions(ob) @ world[:3, :3].T + world[:3, 3])
     return np.vstack(placed)
-
-
-def distortion(case: Case, rest: Points, bent: Points) -> float:
-    """Over the edges of all meshes that are longer than nothing."""
-    start, pairs = 0, []
-    for shape in case.meshes:
-        for face in shape.faces:
-            pairs += [(a + start, b + start) for a, b in zip(face, [*face[1:], face[0]], strict=True)]
-        start += len(shape.points)
-    a, b = np.array(pairs).T
-    before, after = (np.linalg.norm(p[a] - p[b], axis=1) for p in (rest, bent))
-    is_long = before > 1e-9 * before.max()
-    return float(np.sqrt(np.mean((after[is_long] / before[is_long] - 1.0) ** 2)))

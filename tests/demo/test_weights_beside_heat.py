@@ -38,11 +38,15 @@ def test_every_case_gets_good_weights(report: dict[str, Any]):
         assert ways["Turgor"]["sum_error"] < 1e-6, name
 
 
-def test_bends_strain_edges_hardly_more_than_bone_heat(report: dict[str, Any]):
-    """Where bone heat is good too."""
-    for name, ways in report["cases"].items():
-        if ways["Blender"]["is_good"]:
-            assert ways["Turgor"]["distortion"] < 1.15 * ways["Blender"]["distortion"] + 1e-6, name
+def test_a_range_of_motion_costs_no_more_than_with_bone_heat(report: dict[str, Any]):
+    """Where bone heat works too; the median of all bodies."""
+    assert set(report["characters"]) >= {"elephant", "giraffe", "four bone chain"}
+    assert all(ratios["median"] <= 1.0 for ratios in report["overall"].values()), report["overall"]
+
+
+def test_the_engine_takes_less_than_a_gigabyte(report: dict[str, Any]):
+    for name, peaks in report["memory"].items():
+        assert peaks["after"] < 1e9, name
 
 
 def test_every_case_has_a_line_and_a_picture(run: tuple[Path, str], report: dict[str, Any]):
