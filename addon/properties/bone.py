@@ -22,6 +22,8 @@ def register() -> None:
             soft_max=4.0,
             step=5,
             precision=2,
+            # Weights are made once: keys would move nothing.
+            options=set(),
         )
 
 
