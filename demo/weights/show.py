@@ -26,7 +26,7 @@ CHARACTERS = (
     "twist_chain",
 )
 # Rings and sides of tubes for times, bones, Turgor's resolution (0: as it comes), and how often each way.
-SIZES = ((132, 50, 17, 128, 5), (132, 50, 17, 0, 5), (132, 50, 60, 0, 5), (1000, 100, 17, 0, 2), (1000, 100, 60, 0, 1))
+SIZES = ((132, 50, 17, 128, 5), (132, 50, 17, 0, 5), (132, 50, 60, 0, 5), (1000, 100, 17, 0, 2))
 LARGE = (1000, 100)
 
 
