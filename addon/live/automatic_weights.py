@@ -48,6 +48,7 @@ class Job:
             raise WeightError(message("{armature} has no deform bone: turn Deform on for its bones", armature=rig.name))
         self._targets = [weight_groups.read_target(ob) for ob in self.objects]
         self._ends = weight_groups.read_bone_ends(rig, self.names)
+        self._parents = weight_groups.read_parents(rig, self.names)
         self._stiffness = weight_groups.read_stiffness(rig, self.names)
         self._plane = weight_groups.mirror_plane(rig)
         self._partners = weight_groups.mirrored_bones(self.names)
@@ -73,6 +74,7 @@ class Job:
         found = turgor.automatic_weights(
             meshes,
             *self._ends,
+            bone_parents=self._parents,
             resolution=max(options.resolution, 8) if options.resolution else None,
             falloff=options.falloff,
             smoothing=options.smoothing,

@@ -15,6 +15,8 @@ from . import rest, shape_keys
 
 # Vertices this part of the body's size apart are at the same place.
 TWIN = 1e-5
+# Bones with ends closer than this part of their length lie in the same place.
+SAME_PLACE = 1e-4
 
 
 class Faces(NamedTuple):
@@ -65,6 +67,34 @@ def read_bone_ends(rig: bpy.types.Object, names: Sequence[str]) -> tuple[NDArray
         for end in ("head_local", "tail_local")
     )
     return _in_world(rig, heads), _in_world(rig, tails)
+
+
+def read_parents(rig: bpy.types.Object, names: Sequence[str]) -> NDArray[np.int32]:
+    """(B,) the nearest ancestor among the named bones, -1 for none.
+
+    Control rigs parent deform bones to others that do not deform but lie in the same place as one that does.
+    """
+    bones = rig.data.bones
+    index = {name: number for number, name in enumerate(names)}
+    ends = np.array([_ends(bones[name]) for name in names]).reshape(-1, 6)
+
+    def standing_for(ancestor: bpy.types.Bone) -> int:
+        if ancestor.name in index:
+            return index[ancestor.name]
+        distances = np.abs(ends - _ends(ancestor)).max(axis=1, initial=0.0)
+        nearest = int(distances.argmin())
+        return nearest if distances[nearest] <= SAME_PLACE * ancestor.length else -1
+
+    def parent(name: str) -> int:
+        found = (standing_for(ancestor) for ancestor in bones[name].parent_recursive)
+        return next((number for number in found if number not in (-1, index[name])), -1)
+
+    return np.array([parent(name) for name in names], np.int32)
+
+
+def _ends(bone: bpy.types.Bone) -> NDArray[np.float64]:
+    """(6,)"""
+    return np.array([*bone.head_local, *bone.tail_local], np.float64)
 
 
 def read_stiffness(rig: bpy.types.Object, names: Sequence[str]) -> NDArray[np.float64]:

@@ -12,6 +12,8 @@ import numpy as np
 from .motion import Strain
 from .trial import BLENDER, TURGOR, WAYS, Result
 
+# A tenth of a per cent: what is less is as good as nothing.
+LEAST_STRAIN = 1e-3
 FIGURES = ("volume_mean", "volume_worst", "edges_mean", "edges_worst")
 
 
@@ -33,7 +35,8 @@ class Trial:
 
     def ratio(self, figure: str) -> float:
         """Turgor's over Blender's."""
-        return getattr(self.strains[TURGOR], figure) / getattr(self.strains[BLENDER], figure)
+        mine, heat = (max(getattr(self.strains[way], figure), LEAST_STRAIN) for way in (TURGOR, BLENDER))
+        return mine / heat
 
 
 @dataclass

@@ -6,6 +6,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
+from mathutils import Matrix
 
 LENGTH, BONES = 4.0, 4
 
@@ -307,3 +308,36 @@ def test_stiffness_is_saved_edited_and_mirrored_with_its_bone(tmp_path):
     bones = bpy.data.armatures["Rig"].bones
     found = {bone.name: bone.turgor_stiffness for bone in bones}
     assert found == {"Hand.L": 2.0, "Hand.R": 2.0, "Spine": 0.5, "Control": 1.0}
+
+
+def arm_in_trunk() -> bpy.types.Object:
+    """A trunk along x, and an arm along y that is another shell stuck into it, in one mesh."""
+    trunk, arm = tube("Trunk", radius=0.8), tube("Arm", radius=0.3)
+    arm.data.transform(Matrix.Translation((3.0, 0.3, 0.0)) @ Matrix.Rotation(np.pi / 2, 4, "Z"))
+    select(arm, trunk)
+    bpy.ops.object.join()
+    return trunk
+
+
+def test_hierarchy_joins_shells_through_bones_that_do_not_deform():
+    """As in control rigs: the upper arm hangs on a bone that does not deform, in the place of the shoulder's."""
+    ends = {
+        "Spine": ((0.0, 0.0, 0.0), (4.0, 0.0, 0.0)),
+        "Shoulder": ((3.0, 0.0, 0.0), (3.0, 0.45, 0.0)),
+        "Guide": ((3.0, 0.0, 0.0), (3.0, 0.45, 0.0)),
+        "Arm": ((3.0, 0.65, 0.0), (3.0, 4.2, 0.0)),
+    }
+    held = []
+    for parents in ({}, {"Shoulder": "Spine", "Guide": "Spine", "Arm": "Guide"}):
+        body, rig = arm_in_trunk(), armature(ends)
+        bpy.ops.object.mode_set(mode="EDIT")
+        bones = rig.data.edit_bones
+        for child, above in parents.items():
+            bones[child].parent = bones[above]
+        bones["Guide"].use_deform = False
+        bpy.ops.object.mode_set(mode="OBJECT")
+        parent(body, rig)
+        trunk = np.arange(len(body.data.vertices)) < 25 * 12
+        held.append(weights_of(body)[trunk, body.vertex_groups["Arm"].index].max())
+    assert held[0] == 0.0
+    assert held[1] > 0.5

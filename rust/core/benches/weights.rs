@@ -41,7 +41,7 @@ fn weights(criterion: &mut Criterion) {
         for bone_count in [17, 60] {
             let joint = |i: usize| DVec3::X * (LENGTH * i as f64 / bone_count as f64);
             let (heads, tails): (Vec<_>, Vec<_>) = (0..bone_count).map(|i| (joint(i), joint(i + 1))).unzip();
-            let bones = Bones { heads: &heads, tails: &tails, stiffness: None, is_locked: None };
+            let bones = Bones { heads: &heads, tails: &tails, parents: None, stiffness: None, is_locked: None };
             for resolution in [Some(128), None] {
                 let settings = WeightSettings { resolution, ..WeightSettings::default() };
                 let fineness = resolution.map_or_else(|| String::from("automatic"), |r| r.to_string());

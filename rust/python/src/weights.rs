@@ -100,16 +100,17 @@ fn read_rows(value: &Bound<'_, PyAny>) -> PyResult<WeightRows> {
 
 #[pyfunction]
 #[pyo3(signature = (
-    meshes, bone_heads, bone_tails, *, resolution=None, falloff=12.0, smoothing=0.8, max_influences=Some(4), stiffness=None,
-    is_solid=None, is_locked=None, locked_weights=None, symmetry_plane=None, mirrored_bones=None, progress=None
-), text_signature = "(meshes, bone_heads, bone_tails, *, resolution=None, falloff=12.0, smoothing=0.8, max_influences=4, \
-    stiffness=None, is_solid=None, is_locked=None, locked_weights=None, symmetry_plane=None, mirrored_bones=None, progress=None)")]
+    meshes, bone_heads, bone_tails, *, bone_parents=None, resolution=None, falloff=12.0, smoothing=0.8, max_influences=Some(4),
+    stiffness=None, is_solid=None, is_locked=None, locked_weights=None, symmetry_plane=None, mirrored_bones=None, progress=None
+), text_signature = "(meshes, bone_heads, bone_tails, *, bone_parents=None, resolution=None, falloff=12.0, smoothing=0.8, \
+    max_influences=4, stiffness=None, is_solid=None, is_locked=None, locked_weights=None, symmetry_plane=None, mirrored_bones=None, progress=None)")]
 #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
 pub fn automatic_weights(
     py: Python<'_>,
     meshes: &Bound<'_, PyAny>,
     bone_heads: &Bound<'_, PyAny>,
     bone_tails: &Bound<'_, PyAny>,
+    bone_parents: Option<&Bound<'_, PyAny>>,
     resolution: Option<usize>,
     falloff: f64,
     smoothing: f64,
@@ -128,6 +129,7 @@ pub fn automatic_weights(
         return Err(refused(Error::Length { what: "is_solid", found: is_solid.len(), needed: meshes.len() }));
     }
     let (heads, tails) = (arrays::vectors(bone_heads, "bone_heads")?, arrays::vectors(bone_tails, "bone_tails")?);
+    let parents = bone_parents.map(|parents| arrays::indices(parents, "bone_parents")).transpose()?;
     let stiffness = stiffness.map(|stiffness| arrays::numbers(stiffness, "stiffness")).transpose()?;
     let is_locked = is_locked.map(|locked| arrays::flags(locked, "is_locked")).transpose()?;
     let locked_weights = locked_weights.map(read_rows).transpose()?;
@@ -151,7 +153,13 @@ pub fn automatic_weights(
         .zip(is_solid)
         .map(|(m, is_solid)| Surface { positions: &m.positions, face_offsets: &m.face_offsets, face_corners: &m.face_corners, is_solid })
         .collect();
-    let bones = Bones { heads: &heads, tails: &tails, stiffness: stiffness.as_deref(), is_locked: is_locked.as_deref() };
+    let bones = Bones {
+        heads: &heads,
+        tails: &tails,
+        parents: parents.as_deref(),
+        stiffness: stiffness.as_deref(),
+        is_locked: is_locked.as_deref(),
+    };
     let symmetry = plane.map(|plane| Symmetry { plane, partners: partners.as_deref() });
     let settings = WeightSettings { resolution, falloff, smoothing, max_influences, symmetry };
     let result = py.detach(|| turgor::automatic_weights(&surfaces, &bones, locked_weights.as_ref(), &settings, &mut report));

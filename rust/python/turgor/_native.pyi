@@ -834,6 +834,7 @@ def automatic_weights(
     bone_heads: ArrayLike,
     bone_tails: ArrayLike,
     *,
+    bone_parents: ArrayLike | None = None,
     resolution: int | None = None,
     falloff: float = 12.0,
     smoothing: float = 0.8,
@@ -854,6 +855,8 @@ def automatic_weights(
 
     meshes: (positions (N, 3), face_offsets (F + 1,), face_corners (C,)) each, as `Mesh` takes them, in one space.
     bone_heads, bone_tails: (B, 3) in the same space. Only deform bones.
+    bone_parents: (B,) -1 for none. Shells that overlap pass through each other unless bones lead there from one into
+        the other: by parents, and where bones share an end.
     resolution: voxels along the longest side of the body, 8 to 1024; None: as many as the body needs. Parts two voxels
         apart are apart.
     falloff: exponent by which a bone's hold falls with distance, 0.5 to 32; larger is sharper.

@@ -9,7 +9,7 @@ use super::inset;
 use super::sampling::Sampler;
 use super::skin::Skin;
 use super::solid::Solid;
-use super::sources::{contact, near_sources, sources, straight_distance};
+use super::sources::{Source, contact, near_sources, sources, straight_distance};
 use super::voxels::Voxels;
 use crate::csr::Csr;
 use crate::error::Result;
@@ -30,23 +30,33 @@ pub struct Distances {
 }
 
 impl Distances {
-    /// `range` is how many times farther than its nearest bone a bone may be and still count: no farther ones are found.
+    /// `bones` with their numbers among all, which the solid knows. `range` is how many times farther than its nearest bone a bone may be and still count: no farther ones are found.
     /// `step` is called with the part that is done.
-    pub fn inside(solid: &Solid, skin: &Skin, bones: &[[DVec3; 2]], range: f64, mut step: impl FnMut(f64) -> Result<()>) -> Result<Self> {
+    pub fn inside(
+        solid: &Solid,
+        skin: &Skin,
+        bones: &[(u32, [DVec3; 2])],
+        range: f64,
+        mut step: impl FnMut(f64) -> Result<()>,
+    ) -> Result<Self> {
         let voxels = &solid.voxels;
-        let bones: Vec<[DVec3; 2]> = bones.iter().map(|bone| bone.map(|p| solid.lattice.in_voxels(p))).collect();
-        let contacts: Vec<f64> = bones.par_iter().map(|&bone| contact(voxels, bone)).collect();
-        let starts: Vec<Vec<(u32, f32)>> =
-            bones.par_iter().zip(&contacts).map(|(&bone, &near)| near_sources(voxels, bone, near, VIEW)).collect();
+        let source = |&(index, bone): &(u32, [DVec3; 2])| {
+            let ends = bone.map(|p| solid.lattice.in_voxels(p));
+            Source { index, ends, near: contact(voxels, index, ends) }
+        };
+        let bones: Vec<Source> = bones.par_iter().map(source).collect();
+        let starts: Vec<Vec<(u32, f32)>> = bones.par_iter().map(|bone| near_sources(voxels, bone, VIEW)).collect();
         let mut reached_parts = vec![false; voxels.part_count];
         for &(voxel, _) in starts.iter().flatten() {
             reached_parts[voxels.part[voxel as usize] as usize] = true;
         }
         let mut front = Front::default();
         front.spread(voxels, &starts.concat(), None);
-        let sampler = Sampler::new(voxels, &reached_parts);
-        let places = inset::places(solid, skin, &sampler.rows(&solid.points), &front.distances);
-        let rows = sampler.rows(&places);
+        let viewers: Vec<u32> = skin.shell_of_point.iter().map(|&shell| voxels.viewer(shell)).collect();
+        let sampler = Sampler::new(voxels, &reached_parts, &front.distances);
+        let places = inset::places(solid, skin, &sampler.rows(&solid.points, &viewers), &front.distances, &viewers);
+        let rows = sampler.rows(&places, &viewers);
+        drop(sampler);
         step(0.1)?;
         let bounds = bounds(voxels, front, &rows, range as f32);
         let count = places.len();
@@ -54,15 +64,15 @@ impl Distances {
         let batch = rayon::current_num_threads();
         for (first, columns) in columns.chunks_mut(batch * count.max(1)).enumerate() {
             columns.par_chunks_mut(count.max(1)).enumerate().for_each_init(Front::default, |front, (bone, column)| {
-                let (bone, near) = (bones[first * batch + bone], contacts[first * batch + bone]);
-                let seen = sources(voxels, bone, near, |voxel| bounds[voxel as usize]);
+                let bone = &bones[first * batch + bone];
+                let seen = sources(voxels, bone, |voxel| bounds[voxel as usize]);
                 front.spread(voxels, &seen, Some(&bounds));
                 let mut is_seen = vec![false; voxels.len()];
                 for &(voxel, distance) in &seen {
                     is_seen[voxel as usize] = front.distances[voxel as usize] == distance;
                 }
                 for ((distance, row), &place) in column.iter_mut().zip(rows.rows()).zip(&places) {
-                    let straight = straight_distance(bone, place) as f32;
+                    let straight = straight_distance(bone.ends, place) as f32;
                     let beyond = (voxels.least_distance(row, place) - SKIN).max(0.0) as f32;
                     let by_way_of = |&(voxel, weight): &(u32, f32)| {
                         weight * if is_seen[voxel as usize] { straight } else { front.distances[voxel as usize] + beyond }

@@ -24,8 +24,8 @@ const AGREEMENT: f64 = 0.1;
 const CHUNK: usize = 1024;
 
 /// One place per point of the skin. `rows` are the voxels that the points see, `nearest` per voxel the distance to the
-/// nearest bone. Skin without an inside stays where it is; what hovers takes the place of the skin below it.
-pub fn places(solid: &Solid, skin: &Skin, rows: &Csr<(u32, f32)>, nearest: &[f32]) -> Vec<DVec3> {
+/// nearest bone, `viewers` how the points look at them. Skin without an inside stays where it is; what hovers takes the place of the skin below it.
+pub fn places(solid: &Solid, skin: &Skin, rows: &Csr<(u32, f32)>, nearest: &[f32], viewers: &[u32]) -> Vec<DVec3> {
     let inward = inward(solid, skin);
     let voxels = &solid.voxels;
     let place = |point: usize| {
@@ -36,7 +36,7 @@ pub fn places(solid: &Solid, skin: &Skin, rows: &Csr<(u32, f32)>, nearest: &[f32
         let hovering = (voxels.least_distance(row, p) - 1.0).clamp(0.0, 1.0);
         let from = p + hovering * (mean - p);
         let along = (1.0 - hovering) * inward[point] + hovering * (mean - p).normalize_or_zero();
-        let depth = (DEPTH * to_bone).min(DEPTH * way_through(voxels, from, along, to_bone));
+        let depth = (DEPTH * to_bone).min(DEPTH * way_through(voxels, viewers[point], from, along, to_bone));
         from + depth * along
     };
     (0..solid.points.len()).into_par_iter().with_min_len(CHUNK).map(place).collect()
@@ -84,10 +84,10 @@ fn angle_between(a: DVec3, b: DVec3) -> f64 {
 }
 
 /// Length of the way from the skin through the flesh, up to `most`.
-fn way_through(voxels: &Voxels, from: DVec3, along: DVec3, most: f64) -> f64 {
+fn way_through(voxels: &Voxels, viewer: u32, from: DVec3, along: DVec3, most: f64) -> f64 {
     let mut way = STEP;
     // The skin lies up to a voxel beside the solid.
-    while way < most && (way <= 1.0 || voxels.is_solid_at(from + way * along)) {
+    while way < most && (way <= 1.0 || voxels.is_flesh(from + way * along, viewer)) {
         way += STEP;
     }
     if way < most { way - STEP } else { most }

@@ -13,12 +13,15 @@ mod laplacian;
 mod lattice;
 mod limits;
 mod mirror;
+mod overlap;
 mod polygons;
 mod sampling;
+mod sheets;
 mod shell;
 mod skin;
 mod solid;
 mod sources;
+mod tracks;
 mod voxels;
 
 use glam::DVec3;
@@ -49,6 +52,8 @@ pub struct Bones<'a> {
     pub heads: &'a [DVec3],
     /// (B,)
     pub tails: &'a [DVec3],
+    /// (B,) parent of each bone, -1 for none; None: bones are parent and child where they share an end.
+    pub parents: Option<&'a [i32]>,
     /// (B,) above 0: a bone of stiffness 2 holds as if it were at half its distance; None: 1.
     pub stiffness: Option<&'a [f64]>,
     /// (B,) bones whose weights stay as they are; None: none.
@@ -129,14 +134,15 @@ pub fn automatic_weights(
     step(0.0, 0.0, 0.0)?;
     let segments: Vec<[DVec3; 2]> = free.iter().map(|&b| [bones.heads[b as usize], bones.tails[b as usize]]).collect();
     let count = skin.points.len();
-    let solid = Solid::new(&skin, &segments, settings.resolution, settings.symmetry.as_ref().map(|s| &s.plane));
+    let solid = Solid::new(&skin, bones, &segments, settings.resolution, settings.symmetry.as_ref().map(|s| &s.plane));
     step(0.0, 0.1, 1.0)?;
 
     let Distances { mut columns, is_reached, memory_bytes } = if let Some(solid) = &solid {
         let stiffness = |pick: fn(f64, f64) -> f64, start| bones.stiffness.map_or(1.0, |s| s.iter().copied().fold(start, pick));
         // The nearest bone may be the least stiff one, and another the most stiff.
         let spread = stiffness(f64::max, 0.0) / stiffness(f64::min, f64::INFINITY);
-        Distances::inside(solid, &skin, &segments, initial::range(settings.falloff) * spread, |part| step(0.1, 0.7, part))?
+        let numbered: Vec<(u32, [DVec3; 2])> = free.iter().copied().zip(segments).collect();
+        Distances::inside(solid, &skin, &numbered, initial::range(settings.falloff) * spread, |part| step(0.1, 0.7, part))?
     } else {
         let unit = Extent::of(segments.iter().flatten().copied()).map_or(1.0, |e| e.diagonal() / 128.0);
         Distances::straight(&skin.points, &segments, skin.is_solid.len(), if unit > 0.0 { unit } else { 1.0 })
@@ -208,12 +214,18 @@ fn check_bones(bones: &Bones) -> Result<()> {
         ("bone_tails", bones.tails.len()),
         ("stiffness", bones.stiffness.map_or(count, <[f64]>::len)),
         ("locked_bones", bones.is_locked.map_or(count, <[bool]>::len)),
+        ("bone_parents", bones.parents.map_or(count, <[i32]>::len)),
     ];
     if let Some(&(what, found)) = lengths.iter().find(|(_, found)| *found != count) {
         return Err(Error::Length { what, found, needed: count });
     }
     check_finite("bone_heads", bones.heads)?;
     check_finite("bone_tails", bones.tails)?;
+    if let Some(parents) = bones.parents
+        && let Some(row) = parents.iter().position(|&p| p < -1 || p >= count as i32)
+    {
+        return Err(Error::Index { what: "bone_parents", row, found: i64::from(parents[row]), limit: count });
+    }
     match bones.stiffness.into_iter().flatten().find(|s| !(**s >= 1e-3 && **s <= 1e3)) {
         Some(&found) => Err(Error::Value { what: "stiffness", found, needed: "numbers in 0.001..1000" }),
         None => Ok(()),

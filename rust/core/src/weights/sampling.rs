@@ -6,6 +6,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::sheets::EVERYTHING;
 use super::voxels::{NONE, Voxels};
 use crate::csr::Csr;
 
@@ -27,13 +28,16 @@ const CHUNK: usize = 1024;
 pub struct Sampler<'a> {
     voxels: &'a Voxels,
     is_source: &'a [bool],
+    /// Per voxel the distance to the nearest bone.
+    nearest: &'a [f32],
     /// Voxels by block, with the low corner of each block.
     blocks: Vec<(DVec3, Vec<u32>)>,
 }
 
 impl<'a> Sampler<'a> {
-    /// `is_source` says which parts of the voxels are seen.
-    pub fn new(voxels: &'a Voxels, is_source: &'a [bool]) -> Self {
+    /// `is_source` says which parts of the voxels are seen. Of solids in one place a point sees its own, and otherwise the
+    /// one that is `nearest` to a bone.
+    pub fn new(voxels: &'a Voxels, is_source: &'a [bool], nearest: &'a [f32]) -> Self {
         let mut keyed: Vec<([u16; 3], u32)> = (0..voxels.len() as u32)
             .filter(|&voxel| is_source[voxels.part[voxel as usize] as usize])
             .map(|voxel| (voxels.cells[voxel as usize].map(|c| c / BLOCK), voxel))
@@ -43,13 +47,17 @@ impl<'a> Sampler<'a> {
             .chunk_by(|a, b| a.0 == b.0)
             .map(|run| (DVec3::from_array(run[0].0.map(|c| f64::from(c * BLOCK))), run.iter().map(|v| v.1).collect()))
             .collect();
-        Self { voxels, is_source, blocks }
+        Self { voxels, is_source, nearest, blocks }
     }
 
-    /// Voxels and weights that sum to 1, per place. There must be a voxel to be seen.
-    pub fn rows(&self, places: &[DVec3]) -> Csr<(u32, f32)> {
-        let pieces: Vec<Vec<Vec<(u32, f32)>>> =
-            places.par_chunks(CHUNK).map(|chunk| chunk.iter().map(|&p| self.row(p)).collect()).collect();
+    /// Voxels and weights that sum to 1, per place and who looks from there. There must be a voxel to be seen.
+    pub fn rows(&self, places: &[DVec3], viewers: &[u32]) -> Csr<(u32, f32)> {
+        let row = |(&p, &viewer): (&DVec3, &u32)| self.row(p, viewer);
+        let pieces: Vec<Vec<Vec<(u32, f32)>>> = places
+            .par_chunks(CHUNK)
+            .zip(viewers.par_chunks(CHUNK))
+            .map(|(places, viewers)| places.iter().zip(viewers).map(row).collect())
+            .collect();
         let mut rows = Csr::default();
         for row in pieces.into_iter().flatten() {
             rows.push_row(row);
@@ -57,27 +65,42 @@ impl<'a> Sampler<'a> {
         rows
     }
 
-    fn row(&self, p: DVec3) -> Vec<(u32, f32)> {
-        let seen = self.window(p).unwrap_or_else(|| self.search(p));
+    fn row(&self, p: DVec3, viewer: u32) -> Vec<(u32, f32)> {
+        let mut seen = self.window(p, viewer).unwrap_or_else(|| self.search(p, viewer));
+        if seen.is_empty() {
+            // No bone reaches what the point is of.
+            seen = self.search(p, EVERYTHING);
+        }
         let least = seen.iter().map(|(_, distance)| *distance).fold(f64::INFINITY, f64::min);
         let weight = |distance: f64| (1.0 - (distance - least) / REACH).powi(2);
         let sum: f64 = seen.iter().map(|(_, distance)| weight(*distance)).sum();
         seen.into_iter().map(|(voxel, distance)| (voxel, (weight(distance) / sum) as f32)).collect()
     }
 
-    fn is_seen(&self, voxel: u32) -> bool {
-        voxel != NONE && self.is_source[self.voxels.part[voxel as usize] as usize]
+    fn is_seen(&self, node: u32, viewer: u32) -> bool {
+        self.is_source[self.voxels.part[node as usize] as usize] && self.voxels.is_seen(node, viewer)
+    }
+
+    /// What of a voxel is seen.
+    #[inline]
+    fn node(&self, voxel: u32, viewer: u32) -> u32 {
+        if self.voxels.sheets.is_none() {
+            return if voxel != NONE && self.is_seen(voxel, viewer) { voxel } else { NONE };
+        }
+        let distance = |&node: &u32| self.nearest[node as usize];
+        let seen = self.voxels.nodes_in(voxel).filter(|&node| self.is_seen(node, viewer));
+        seen.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(NONE)
     }
 
     /// What a place sees, if the cells about it are enough to tell.
-    fn window(&self, p: DVec3) -> Option<Vec<(u32, f64)>> {
+    fn window(&self, p: DVec3, viewer: u32) -> Option<Vec<(u32, f64)>> {
         let middle = p.floor().to_array().map(|x| x as i64);
         let mut cells = [(NONE, f64::INFINITY); CELLS];
         let (mut nearest, mut least) = (0, f64::INFINITY);
         for (index, cell) in cells.iter_mut().enumerate() {
             let at = [index % WIDTH, index / WIDTH % WIDTH, index / WIDTH / WIDTH];
-            let voxel = self.voxels.at([0, 1, 2].map(|i| middle[i] + at[i] as i64 - NEAR));
-            if self.is_seen(voxel) {
+            let voxel = self.node(self.voxels.at([0, 1, 2].map(|i| middle[i] + at[i] as i64 - NEAR)), viewer);
+            if voxel != NONE {
                 *cell = (voxel, self.voxels.centre(voxel).distance(p));
                 if cell.1 < least {
                     (nearest, least) = (index, cell.1);
@@ -86,13 +109,18 @@ impl<'a> Sampler<'a> {
         }
         (least + REACH <= CERTAIN).then(|| {
             let in_reach = (0..CELLS).filter(|&i| cells[i].1 < least + REACH).fold(0, |bits, i| bits | 1 << i);
+            if self.voxels.sheets.is_some() {
+                let mut seen = (0..CELLS).filter(|&i| in_reach >> i & 1 == 1).map(|i| cells[i]).collect();
+                self.keep_this_side(&mut seen);
+                return seen;
+            }
             let here = connected(1 << nearest, in_reach);
             (0..CELLS).filter(|&i| here >> i & 1 == 1).map(|i| cells[i]).collect()
         })
     }
 
     /// Voxels that may be at most `REACH` farther than the nearest one, wherever that is.
-    fn search(&self, p: DVec3) -> Vec<(u32, f64)> {
+    fn search(&self, p: DVec3, viewer: u32) -> Vec<(u32, f64)> {
         let to_block = |low: DVec3| p.distance(p.clamp(low + 0.5, low + (f64::from(BLOCK) - 0.5)));
         let mut order: Vec<(f64, usize)> = self.blocks.iter().enumerate().map(|(i, block)| (to_block(block.0), i)).collect();
         order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -101,7 +129,7 @@ impl<'a> Sampler<'a> {
             if distance > least + REACH {
                 break;
             }
-            for &voxel in &self.blocks[block].1 {
+            for &voxel in self.blocks[block].1.iter().filter(|&&voxel| self.voxels.is_seen(voxel, viewer)) {
                 let distance = self.voxels.centre(voxel).distance(p);
                 if distance < least + REACH {
                     least = least.min(distance);
@@ -183,6 +211,10 @@ mod tests {
         Voxels::new(dims, &[cells.collect()])
     }
 
+    fn rows(voxels: &Voxels, is_source: &[bool], places: &[DVec3]) -> Csr<(u32, f32)> {
+        Sampler::new(voxels, is_source, &vec![0.0; voxels.len()]).rows(places, &vec![EVERYTHING; places.len()])
+    }
+
     fn values(rows: &Csr<(u32, f32)>, voxels: &Voxels, of: impl Fn(DVec3) -> f64) -> Vec<f64> {
         rows.rows().map(|row| row.iter().map(|&(voxel, weight)| f64::from(weight) * of(voxels.centre(voxel))).sum()).collect()
     }
@@ -191,7 +223,7 @@ mod tests {
     fn values_are_continuous_from_inside_to_far_away() {
         let voxels = slabs(20);
         let places: Vec<DVec3> = (0..4000).map(|i| DVec3::new(3.0 + 2e-3 * f64::from(i), 4.3, 2.4 - 1e-3 * f64::from(i))).collect();
-        let rows = Sampler::new(&voxels, &[true, true]).rows(&places);
+        let rows = rows(&voxels, &[true, true], &places);
         let found = values(&rows, &voxels, |p| p.x);
         assert!(found.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 0.02));
         assert!(rows.rows().all(|row| (row.iter().map(|w| w.1).sum::<f32>() - 1.0).abs() < 1e-5));
@@ -201,14 +233,14 @@ mod tests {
     fn a_place_at_a_narrow_gap_sees_its_own_side_only() {
         let voxels = slabs(1);
         let places = [DVec3::new(4.4, 4.6, 3.3), DVec3::new(4.4, 4.6, 3.7)];
-        let found = values(&Sampler::new(&voxels, &[true, true]).rows(&places), &voxels, |p| p.z);
+        let found = values(&rows(&voxels, &[true, true], &places), &voxels, |p| p.z);
         assert_eq!(found.iter().map(|z| z.round()).collect::<Vec<_>>(), [3.0, 5.0]);
     }
 
     #[test]
     fn parts_that_are_no_source_are_not_seen() {
         let voxels = slabs(1);
-        let found = values(&Sampler::new(&voxels, &[false, true]).rows(&[DVec3::new(4.4, 4.6, 2.1)]), &voxels, |p| p.z);
+        let found = values(&rows(&voxels, &[false, true], &[DVec3::new(4.4, 4.6, 2.1)]), &voxels, |p| p.z);
         assert!((found[0] - 4.5).abs() < 1e-6);
     }
 }

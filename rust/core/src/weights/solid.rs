@@ -3,11 +3,14 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::Bones;
 use super::lattice::{Extent, Lattice, Plane};
 use super::polygons::{Cut, cut};
+use super::sheets;
 use super::shell::shell_cells;
 use super::skin::Skin;
-use super::voxels::{NONE, Voxels};
+use super::tracks::Tracks;
+use super::voxels::Voxels;
 
 /// Resolution at which the body is measured before its own is chosen.
 const COARSE: f64 = 64.0;
@@ -32,8 +35,9 @@ pub struct Solid {
 }
 
 impl Solid {
-    /// `resolution` in voxels along the longest side, or chosen; None when nothing of the skin is solid.
-    pub fn new(skin: &Skin, bones: &[[DVec3; 2]], resolution: Option<usize>, plane: Option<&Plane>) -> Option<Self> {
+    /// `resolution` in voxels along the longest side, or chosen; None when nothing of the skin is solid. `free` are those of
+    /// the bones that give weights.
+    pub fn new(skin: &Skin, bones: &Bones, free: &[[DVec3; 2]], resolution: Option<usize>, plane: Option<&Plane>) -> Option<Self> {
         let faces_of_shell = skin.faces_of_shell();
         let extent_of = |shell: usize| {
             let corners = faces_of_shell.row(shell).iter().flat_map(|&face| skin.faces.row(face as usize));
@@ -43,7 +47,7 @@ impl Solid {
             .filter(|&shell| skin.is_solid[shell])
             .filter_map(|shell| Some((shell as u32, extent_of(shell)?)))
             .collect();
-        let around_bones = Extent::of(bones.iter().flatten().copied()).map(|e| e.grown(SURROUNDINGS * e.diagonal()));
+        let around_bones = Extent::of(free.iter().flatten().copied()).map(|e| e.grown(SURROUNDINGS * e.diagonal()));
         let mut near: Vec<(u32, Extent)> =
             shells.iter().copied().filter(|(_, extent)| around_bones.as_ref().is_some_and(|b| b.meets(extent))).collect();
         if near.is_empty() {
@@ -63,11 +67,14 @@ impl Solid {
         let resolution = resolution.map_or_else(|| automatic(&extent, |lattice| build(lattice).1), |r| r as f64);
         let lattice = Lattice::new(&extent, resolution);
         let (points, lists) = build(&lattice);
-        let voxels = Voxels::new(lattice.dims, &lists);
+        let mut voxels = Voxels::new(lattice.dims, &lists);
         let mut cells_of_shell = vec![Vec::new(); skin.is_solid.len()];
         for (&shell, cells) in near.iter().zip(lists) {
             cells_of_shell[shell as usize] = cells;
         }
+        let ends = bones.heads.iter().zip(bones.tails).map(|(&head, &tail)| [head, tail].map(|p| lattice.in_voxels(p)));
+        let tracks = Tracks::new(&ends.collect::<Vec<_>>(), bones.parents);
+        sheets::divide(&mut voxels, &cells_of_shell, &tracks, bones.heads.len());
         (!voxels.is_empty()).then_some(Self { lattice, voxels, points, cells_of_shell })
     }
 
@@ -83,11 +90,13 @@ impl Solid {
 
     /// Per shell, whether it has a voxel in one of some parts.
     pub fn shells_in(&self, is_in: &[bool]) -> Vec<bool> {
-        let part = |&cell: &u32| match self.voxels.of_cell(cell) {
-            NONE => false,
-            voxel => is_in[self.voxels.part[voxel as usize] as usize],
+        let voxels = &self.voxels;
+        let is_reached = |(shell, cells): (usize, &Vec<u32>)| {
+            let viewer = voxels.viewer(shell as u32);
+            let is_node_in = |node: u32| voxels.is_seen(node, viewer) && is_in[voxels.part[node as usize] as usize];
+            cells.iter().any(|&cell| voxels.nodes_in(voxels.of_cell(cell)).any(is_node_in))
         };
-        self.cells_of_shell.iter().map(|cells| cells.iter().any(part)).collect()
+        self.cells_of_shell.iter().enumerate().map(is_reached).collect()
     }
 
     pub fn memory_bytes(&self) -> usize {

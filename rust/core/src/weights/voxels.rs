@@ -3,6 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::sheets::{EVERYTHING, Sheets};
 use crate::union_find::UnionFind;
 
 /// No voxel there.
@@ -41,7 +42,26 @@ const fn digit(code: i8) -> i8 {
     }
 }
 
-/// Solid voxels, numbered by z, y, x.
+/// Which of `STEPS` leads to a neighbour.
+#[inline]
+pub fn step_to(step: [i64; 3]) -> usize {
+    STEP_AT[((step[2] + 1) * 9 + (step[1] + 1) * 3 + step[0] + 1) as usize]
+}
+
+const STEP_AT: [usize; 27] = step_at();
+
+const fn step_at() -> [usize; 27] {
+    let mut found = [0; 27];
+    let mut index = 0;
+    while index < 26 {
+        let [x, y, z] = STEPS[index];
+        found[((z + 1) * 9 + (y + 1) * 3 + x + 1) as usize] = index;
+        index += 1;
+    }
+    found
+}
+
+/// Solid voxels, numbered by z, y, x; after them those that are there again, where solids pass through each other.
 pub struct Voxels {
     dims: [usize; 3],
     solid: Vec<u64>,
@@ -54,6 +74,8 @@ pub struct Voxels {
     /// Connected part of each voxel.
     pub part: Vec<u32>,
     pub part_count: usize,
+    /// Where solids pass through each other.
+    pub sheets: Option<Sheets>,
 }
 
 impl Voxels {
@@ -74,11 +96,60 @@ impl Voxels {
                 left &= left - 1;
             }
         }
-        let mut voxels = Self { dims, solid, ranks, cells, neighbours: Vec::new(), part: Vec::new(), part_count: 0 };
+        let mut voxels = Self { dims, solid, ranks, cells, neighbours: Vec::new(), part: Vec::new(), part_count: 0, sheets: None };
         let around = |cell: &[u16; 3]| STEPS.map(|step| voxels.at([0, 1, 2].map(|i| i64::from(cell[i]) + i64::from(step[i]))));
         voxels.neighbours = voxels.cells.par_iter().map(around).collect();
         voxels.find_parts();
         voxels
+    }
+
+    /// Adds the nodes of sheets: `added` are the voxels that they repeat. `is_way` of two sheets, and whether one of the voxels
+    /// has several, says whether ways lead from one to the other.
+    pub fn divide(&mut self, sheets: Sheets, added: &[u32], is_way: impl Fn(u32, u32, bool) -> bool) {
+        let count = self.len();
+        let nodes_in =
+            |voxel: u32| std::iter::successors(Some(voxel), |&node| Some(sheets.twins[node as usize]).filter(|&twin| twin != NONE));
+        let is_contested = |voxel: u32| sheets.twins[voxel as usize] != NONE;
+        let mut neighbours = Vec::with_capacity(count + added.len());
+        for (node, voxel) in (0..count as u32).chain(added.iter().copied()).enumerate() {
+            neighbours.push(self.neighbours[voxel as usize].map(|other| {
+                if other == NONE {
+                    return NONE;
+                }
+                let is_several = is_contested(voxel) || is_contested(other);
+                let leads = |&to: &u32| is_way(sheets.sheet[node], sheets.sheet[to as usize], is_several);
+                nodes_in(other).find(leads).unwrap_or(NONE)
+            }));
+        }
+        self.cells.extend(added.iter().map(|&voxel| self.cells[voxel as usize]).collect::<Vec<_>>());
+        self.neighbours = neighbours;
+        self.sheets = Some(sheets);
+        self.find_parts();
+    }
+
+    /// All nodes of a voxel, which is the first of them.
+    #[inline]
+    pub fn nodes_in(&self, voxel: u32) -> impl Iterator<Item = u32> {
+        let twin = |&node: &u32| self.sheets.as_ref().map(|s| s.twins[node as usize]).filter(|&twin| twin != NONE);
+        std::iter::successors((voxel != NONE).then_some(voxel), twin)
+    }
+
+    /// Whether points of a shell see a node.
+    #[inline]
+    pub fn is_seen(&self, node: u32, viewer: u32) -> bool {
+        self.sheets.as_ref().is_none_or(|sheets| sheets.is_seen(node, viewer))
+    }
+
+    /// Whether a bone may hold a node.
+    #[inline]
+    pub fn is_held(&self, node: u32, bone: u32) -> bool {
+        self.sheets.as_ref().is_none_or(|sheets| sheets.is_held(node, bone))
+    }
+
+    /// How points of a shell look at nodes.
+    #[inline]
+    pub fn viewer(&self, shell: u32) -> u32 {
+        self.sheets.as_ref().map_or(EVERYTHING, |sheets| sheets.viewer(shell))
     }
 
     fn find_parts(&mut self) {
@@ -89,6 +160,7 @@ impl Voxels {
             }
         }
         let mut part = vec![NONE; self.len()];
+        self.part_count = 0;
         for voxel in 0..self.len() {
             let root = sets.find(voxel as u32) as usize;
             if part[root] == NONE {
@@ -118,6 +190,12 @@ impl Voxels {
         self.cell_at(p).is_some_and(|cell| self.of_cell(cell) != NONE)
     }
 
+    /// Whether a place is in a voxel that points of a shell see.
+    #[inline]
+    pub fn is_flesh(&self, p: DVec3, viewer: u32) -> bool {
+        self.cell_at(p).is_some_and(|cell| self.nodes_in(self.of_cell(cell)).any(|node| self.is_seen(node, viewer)))
+    }
+
     /// Index of the cell of the lattice that a place is in.
     #[inline]
     pub fn cell_at(&self, p: DVec3) -> Option<u32> {
@@ -143,7 +221,7 @@ impl Voxels {
         if bits >> bit & 1 == 0 { NONE } else { self.ranks[word] + (bits & ((1 << bit) - 1)).count_ones() }
     }
 
-    /// Voxels with their centre in a box.
+    /// Nodes with their centre in a box.
     pub fn in_box(&self, low: DVec3, high: DVec3) -> Vec<u32> {
         let last = DVec3::from_array(self.dims.map(|d| d as f64 - 1.0));
         let [first, end] = [(low - 0.5).ceil().max(DVec3::ZERO), (high - 0.5).floor().min(last)];
@@ -156,7 +234,7 @@ impl Voxels {
         let mut found = Vec::new();
         for z in zs {
             for y in ys.clone() {
-                found.extend(xs.clone().map(|x| self.at([x, y, z])).filter(|&voxel| voxel != NONE));
+                found.extend(xs.clone().flat_map(|x| self.nodes_in(self.at([x, y, z]))));
             }
         }
         found
@@ -182,6 +260,7 @@ impl Voxels {
             + size_of_val(&*self.cells)
             + size_of_val(&*self.neighbours)
             + size_of_val(&*self.part)
+            + self.sheets.as_ref().map_or(0, Sheets::memory_bytes)
     }
 }
 

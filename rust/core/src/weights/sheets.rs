@@ -1,0 +1,227 @@
+//! Flesh that is in one place twice: voxels in which solids pass through each other are there once for each of them.
+//!
+//! A *node* is a voxel of one sheet, and a *sheet* a set of shells that are one there. Shells without bones are of no sheet:
+//! they take from whatever is about them.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::overlap::{Passing, Scene};
+use super::tracks::Tracks;
+use super::voxels::{NONE, Voxels};
+use crate::csr::Csr;
+use crate::union_find::UnionFind;
+
+/// Viewer of shells without bones, which see all sheets.
+pub const EVERYTHING: u32 = 0;
+
+/// Which nodes are of which sheet, and whom that concerns.
+pub struct Sheets {
+    /// Per node, the sheet it is of.
+    pub sheet: Vec<u32>,
+    /// Per node the next one in the same voxel.
+    pub twins: Vec<u32>,
+    viewer_of_shell: Vec<u32>,
+    sheet_count: usize,
+    /// Viewers by sheets.
+    is_seen: Vec<bool>,
+    /// Bones by sheets.
+    is_held: Vec<bool>,
+}
+
+impl Sheets {
+    /// Whether points of a shell see a node.
+    #[inline]
+    pub fn is_seen(&self, node: u32, viewer: u32) -> bool {
+        self.is_seen[viewer as usize * self.sheet_count + self.sheet[node as usize] as usize]
+    }
+
+    /// Whether a bone may hold a node.
+    #[inline]
+    pub fn is_held(&self, node: u32, bone: u32) -> bool {
+        self.is_held[bone as usize * self.sheet_count + self.sheet[node as usize] as usize]
+    }
+
+    /// How points of a shell look at nodes.
+    pub fn viewer(&self, shell: u32) -> u32 {
+        self.viewer_of_shell.get(shell as usize).copied().unwrap_or(EVERYTHING)
+    }
+
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(&*self.sheet) + size_of_val(&*self.twins)
+    }
+}
+
+/// Divides voxels in which solids pass through each other, and cuts the ways between those solids. `cells` are those of
+/// each shell. Nothing changes where all is one solid.
+pub fn divide(voxels: &mut Voxels, cells: &[Vec<u32>], tracks: &Tracks, bone_count: usize) {
+    // Shells that do not share a cell may still touch, but one alone cannot.
+    if cells.iter().filter(|cells| !cells.is_empty()).count() < 2 {
+        return;
+    }
+    let voxel_of_sample: Vec<u32> = tracks.places.iter().map(|&p| voxels.cell_at(p).map_or(NONE, |cell| voxels.of_cell(cell))).collect();
+    let mut sampled: Vec<u32> = tracks.places.iter().filter_map(|&p| voxels.cell_at(p)).collect();
+    sampled.sort_unstable();
+    sampled.dedup();
+    let bearing: Vec<u32> = (0..cells.len() as u32).filter(|&shell| meet(&cells[shell as usize], &sampled)).collect();
+    if bearing.len() < 2 {
+        return;
+    }
+    let pairs: Vec<(u32, u32)> = bearing
+        .iter()
+        .enumerate()
+        .flat_map(|(rank, &shell)| cells[shell as usize].iter().map(move |&cell| (cell, rank as u32)))
+        .map(|(cell, rank)| (voxels.of_cell(cell), rank))
+        .collect();
+    let shells_of_voxel = Csr::from_pairs(voxels.len(), &pairs);
+    let scene = Scene { voxels, shells_of_voxel: &shells_of_voxel, tracks, voxel_of_sample: &voxel_of_sample };
+    let mut passings: Vec<Passing> =
+        touching(voxels, &shells_of_voxel).into_iter().filter_map(|([a, b], both)| scene.passing([a, b], &both)).collect();
+    if passings.is_empty() {
+        return;
+    }
+    let contested = contested(&shells_of_voxel, &mut passings);
+    let mut viewer_of_shell = vec![EVERYTHING; cells.len()];
+    for (rank, &shell) in bearing.iter().enumerate() {
+        viewer_of_shell[shell as usize] = rank as u32 + 1;
+    }
+    let (lists, sheet_of_node, twins, first_cells) = nodes(&shells_of_voxel, &contested);
+    let mut is_blocked = vec![false; bearing.len() * bearing.len()];
+    let mut is_barred = vec![false; bearing.len() * bone_count];
+    for passing in &passings {
+        let [a, b] = passing.shells.map(|shell| shell as usize);
+        is_blocked[a * bearing.len() + b] = true;
+        is_blocked[b * bearing.len() + a] = true;
+        for (side, strangers) in passing.strangers.iter().enumerate() {
+            for &bone in strangers {
+                is_barred[passing.shells[side] as usize * bone_count + bone as usize] = true;
+            }
+        }
+    }
+    let are_blocked = |a: u32, b: u32| is_blocked[a as usize * bearing.len() + b as usize];
+    let sheet_count = lists.len();
+    let mut is_seen = vec![true; (bearing.len() + 1) * sheet_count];
+    let mut is_held = vec![true; bone_count * sheet_count];
+    for (sheet, list) in lists.iter().enumerate() {
+        for shell in 0..bearing.len() as u32 {
+            is_seen[(shell as usize + 1) * sheet_count + sheet] =
+                list.contains(&shell) || !list.iter().any(|&other| are_blocked(shell, other));
+        }
+        for bone in 0..bone_count {
+            is_held[bone * sheet_count + sheet] =
+                list.is_empty() || list.iter().any(|&shell| !is_barred[shell as usize * bone_count + bone]);
+        }
+    }
+    let sheets = Sheets { sheet: sheet_of_node, twins, viewer_of_shell, sheet_count, is_seen, is_held };
+    // Ways lead on in shells that two nodes share, and from shell to shell where nothing is against it.
+    let share = |a: u32, b: u32| lists[a as usize].iter().any(|shell| lists[b as usize].contains(shell));
+    let is_free = |a: u32, b: u32| !lists[a as usize].iter().any(|&m| lists[b as usize].iter().any(|&n| are_blocked(m, n)));
+    voxels.divide(sheets, &first_cells, |a, b, is_contested| share(a, b) || !is_contested && is_free(a, b));
+}
+
+/// Whether two sorted lists share a value.
+fn meet(list: &[u32], values: &[u32]) -> bool {
+    if values.len() < list.len() {
+        values.iter().any(|value| list.binary_search(value).is_ok())
+    } else {
+        list.iter().any(|value| values.binary_search(value).is_ok())
+    }
+}
+
+/// Pairs of shells that share voxels or have neighbouring ones, with the voxels that they share, sorted.
+fn touching(voxels: &Voxels, shells_of_voxel: &Csr<u32>) -> BTreeMap<[u32; 2], Vec<u32>> {
+    let mut pairs: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
+    for (voxel, row) in shells_of_voxel.rows().enumerate() {
+        for (i, &a) in row.iter().enumerate() {
+            for &b in &row[i + 1..] {
+                pairs.entry([a, b]).or_default().push(voxel as u32);
+            }
+        }
+        for &other in voxels.neighbours[voxel].iter().filter(|&&other| other < voxel as u32) {
+            let beside = shells_of_voxel.row(other as usize);
+            if beside != row {
+                for (&a, &b) in row.iter().flat_map(|a| beside.iter().map(move |b| (a, b))).filter(|(a, b)| a != b) {
+                    pairs.entry([a.min(b), a.max(b)]).or_default();
+                }
+            }
+        }
+    }
+    pairs
+}
+
+/// Sheets of the voxels that have several, as lists of shells. Two solids that are one by way of a third are one in that
+/// whole part of their overlap.
+fn contested(shells_of_voxel: &Csr<u32>, passings: &mut [Passing]) -> BTreeMap<u32, Vec<Vec<u32>>> {
+    loop {
+        let mut apart: BTreeMap<u32, Vec<[u32; 2]>> = BTreeMap::new();
+        for passing in &*passings {
+            for &voxel in passing.apart.iter().flatten() {
+                apart.entry(voxel).or_default().push(passing.shells);
+            }
+        }
+        let mut is_settled = true;
+        let mut found = BTreeMap::new();
+        for (voxel, apart) in apart {
+            let row = shells_of_voxel.row(voxel as usize);
+            let mut sets = UnionFind::new(row.len());
+            for (i, &a) in row.iter().enumerate() {
+                for (j, &b) in row.iter().enumerate().skip(i + 1) {
+                    if !apart.contains(&[a, b]) {
+                        sets.join(i as u32, j as u32);
+                    }
+                }
+            }
+            let mut lists: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+            for (i, &shell) in row.iter().enumerate() {
+                lists.entry(sets.find(i as u32)).or_default().push(shell);
+            }
+            for passing in &mut *passings {
+                if apart.contains(&passing.shells) && lists.values().any(|list| passing.shells.iter().all(|shell| list.contains(shell))) {
+                    passing.apart.retain(|part| part.binary_search(&voxel).is_err());
+                    is_settled = false;
+                }
+            }
+            found.insert(voxel, lists.into_values().collect());
+        }
+        if is_settled {
+            return found;
+        }
+    }
+}
+
+/// Lists of shells per sheet; per node its sheet and its twin; voxels of the nodes that are added to the first ones.
+fn nodes(shells_of_voxel: &Csr<u32>, contested: &BTreeMap<u32, Vec<Vec<u32>>>) -> (Vec<Vec<u32>>, Vec<u32>, Vec<u32>, Vec<u32>) {
+    let mut lists: Vec<Vec<u32>> = Vec::new();
+    let mut numbers: HashMap<Vec<u32>, u32> = HashMap::new();
+    let mut number = |list: &[u32]| {
+        *numbers.entry(list.to_vec()).or_insert_with(|| {
+            lists.push(list.to_vec());
+            lists.len() as u32 - 1
+        })
+    };
+    let mut sheets: Vec<u32> = Vec::with_capacity(shells_of_voxel.len());
+    let mut last: Option<(&[u32], u32)> = None;
+    for (voxel, row) in shells_of_voxel.rows().enumerate() {
+        if let Some(first) = contested.get(&(voxel as u32)).map(|lists| &lists[0]) {
+            sheets.push(number(first));
+            continue;
+        }
+        // Mostly the same as before it.
+        let known = last.filter(|(list, _)| *list == row).map(|(_, sheet)| sheet);
+        let sheet = known.unwrap_or_else(|| number(row));
+        last = Some((row, sheet));
+        sheets.push(sheet);
+    }
+    let mut twins = vec![NONE; sheets.len()];
+    let mut voxels = Vec::new();
+    for (&voxel, lists) in contested {
+        let mut previous = voxel as usize;
+        for list in &lists[1..] {
+            twins[previous] = sheets.len() as u32;
+            previous = sheets.len();
+            sheets.push(number(list));
+            twins.push(NONE);
+            voxels.push(voxel);
+        }
+    }
+    (lists, sheets, twins, voxels)
+}
