@@ -7,6 +7,7 @@
 
 mod binding;
 mod correction;
+mod crew;
 mod csr;
 mod dual_quaternion;
 mod error;

@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
+use crate::crew;
 use crate::error::{Error, Result};
 use crate::frame::{Details, Needs, Pose, RefinementNeed, Workspace};
 use crate::report::{FoldCounts, Report};
@@ -77,12 +78,13 @@ impl VolumeSkin {
         let first = self.workspace();
         let at_once = (MEMORY_MAX / first.memory_bytes().max(1)).max(1);
         let spare = Mutex::new(Some(first));
-        let (next, is_refused) = (AtomicUsize::new(0), AtomicBool::new(false));
+        let (next, begun, is_refused) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicBool::new(false));
         let results: Vec<OnceLock<Result<T>>> = poses.iter().map(|_| OnceLock::new()).collect();
-        // One visit per thread, each with a workspace of its own: a stolen task could begin a frame within a frame.
-        rayon::broadcast(|thread| {
+        // Each thread has a workspace of its own.
+        let compute = |_: usize| {
             let mut buffers = None;
-            while thread.index() < at_once && !is_refused.load(Ordering::Relaxed) {
+            let is_wanted = begun.fetch_add(1, Ordering::Relaxed) < at_once;
+            while is_wanted && !is_refused.load(Ordering::Relaxed) {
                 let frame = next.fetch_add(1, Ordering::Relaxed);
                 let Some(pose) = poses.get(frame) else { break };
                 let (workspace, offsets) = buffers.get_or_insert_with(|| {
@@ -93,7 +95,8 @@ impl VolumeSkin {
                 is_refused.fetch_or(outcome.is_err(), Ordering::Relaxed);
                 results[frame].get_or_init(|| outcome.map(|()| finish(frame, workspace, offsets)));
             }
-        });
+        };
+        crew::with_helpers(at_once.min(poses.len()).saturating_sub(1), || crew::share(&compute));
         // Frames are begun in order: those before the first refused one are all there.
         let mut finished = Vec::with_capacity(poses.len());
         for (frame, result) in results.into_iter().enumerate() {

@@ -11,7 +11,7 @@ use crate::skeleton::Skeleton;
 /// A vertex whose weights sum to this or less is left alone, as Blender does.
 const WEIGHT_SUM_MIN: f64 = 1e-4;
 /// Vertices per parallel piece, at least.
-pub(crate) const CHUNK: usize = 1024;
+const CHUNK: usize = 1024;
 
 /// How bones are blended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

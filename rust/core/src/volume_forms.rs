@@ -16,6 +16,7 @@ use crate::csr::Csr;
 use crate::lanes::{self, V4, add, add_scaled, cross, mul, sub, transform};
 use crate::motions::Motions;
 use crate::skinning::Columns;
+use crate::split::{Equal, for_each_piece};
 use crate::sweeps::mean_and_cross;
 use crate::volume_loss::{Anatomy, Bodies, Change, FaceJoints, Job, Moment, find_job};
 
@@ -23,6 +24,8 @@ use crate::volume_loss::{Anatomy, Bodies, Change, FaceJoints, Job, Moment, find_
 const NUMBERS_PER_POINT: usize = 24;
 /// Small meshes may have this many in any case.
 const NUMBERS_MIN: usize = 1 << 14;
+/// Turns that a thread takes at a time.
+const TURNS: usize = 16;
 /// Place of the joint above in a block.
 const TOP: u16 = u16::MAX;
 
@@ -146,7 +149,8 @@ impl VolumeForms {
         }
         let level = Level::new();
         let FormBuffers { whole, added, stretched, changes } = buffers;
-        changes.par_iter_mut().zip(&self.turns).enumerate().with_min_len(32).for_each(|(index, (change, turn))| {
+        let measure = |index: usize, change: &mut Change| {
+            let turn = &self.turns[index];
             let joint = usize::from(turn.joint);
             *change = Change::default();
             if motions.is_still[joint] {
@@ -158,6 +162,12 @@ impl VolumeForms {
             let total = gain_with(&added[joint]);
             let intent = if motions.has_intent[joint] { gain_with(&stretched[joint]) } else { 0.0 };
             *change = Change { intent, loss: intent - total };
+        };
+        let rows = Equal::new(changes, TURNS);
+        for_each_piece(rows.count(), rows, &|row, changes| {
+            for (place, change) in changes.values.iter_mut().enumerate() {
+                measure(row * TURNS + place, change);
+            }
         });
         for (change, turn) in changes.iter().zip(&self.turns) {
             of_job[turn.job as usize].join(change);

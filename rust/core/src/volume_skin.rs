@@ -5,13 +5,14 @@ use std::sync::Arc;
 use glam::{DMat4, DVec3};
 
 use crate::binding::Binding;
+use crate::crew;
 use crate::error::{Error, Result, check_finite};
 use crate::frame::{Details, JointField, Needs, Pose, Workspace};
 use crate::joint::Joint;
 use crate::mask::Mask;
 use crate::report::Report;
 use crate::skinning::{Skinning, check_object};
-use crate::split::FEW;
+use crate::split::helpers_for;
 use crate::supports::Supports;
 use crate::topology::Topology;
 
@@ -159,7 +160,7 @@ impl VolumeSkin {
             return Err(Error::VertexCount { found: offsets.len(), bound });
         }
         workspace.take(&self.binding, pose, self.options.keep_bone_scale)?;
-        self.in_pool(pose.repair_folds, || self.correct(pose, workspace, offsets));
+        self.with_helpers(|| self.correct(pose, workspace, offsets));
         Ok(&workspace.report)
     }
 
@@ -176,7 +177,7 @@ impl VolumeSkin {
     /// Skins and measures a pose, and leaves the volume as it is.
     pub(crate) fn skin_pose(&self, pose: &Pose, workspace: &mut Workspace) -> Result<()> {
         workspace.take(&self.binding, pose, self.options.keep_bone_scale)?;
-        self.in_pool(false, || self.skin(pose, workspace));
+        self.with_helpers(|| self.skin(pose, workspace));
         Ok(())
     }
 
@@ -189,13 +190,8 @@ impl VolumeSkin {
         &self.binding
     }
 
-    /// One hop to the thread pool, not one for every sweep; none for small meshes, unless there is `much` to do.
-    fn in_pool(&self, much: bool, work: impl FnOnce() + Send) {
-        if self.binding.patches.list.len() <= FEW && !much {
-            work();
-        } else {
-            rayon::scope(|_| work());
-        }
+    fn with_helpers(&self, work: impl FnOnce()) {
+        crew::with_helpers(helpers_for(self.binding.patches.list.len()), work);
     }
 
     fn skin(&self, pose: &Pose, workspace: &mut Workspace) {

@@ -1,31 +1,42 @@
 //! What leaves the engine: offsets of vertices and their positions, in object space.
 
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x4};
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 
 use super::Workspace;
 use crate::binding::Binding;
 use crate::fields::Move;
-use crate::skinning::{CHUNK, columns};
+use crate::skinning::columns;
+use crate::split::{Equal, for_each_piece};
+
+/// Vertices that are written at a time.
+const CHUNK: usize = 512;
 
 impl Workspace {
     /// Corrected − skinned of every vertex, object space.
     pub(crate) fn write_offsets(&mut self, binding: &Binding, offsets: &mut [[f32; 3]]) {
         let to_object = [0, 1, 2].map(|column| columns(&self.object)[column].map(|c| c as f32));
         let (moves, components) = (&self.moves, &self.components);
-        let vertices = binding.slot_of_vertex.par_chunks(CHUNK).zip(binding.component_of_vertex.par_chunks(CHUNK));
-        let offset_chunks = offsets.par_chunks_mut(CHUNK).with_min_len(3);
         let level = Level::new();
         // Most characters are one shell: nothing to look up then.
         let only_step = if let [state] = &**components { Some(state.step as f32) } else { None };
         let step = |component: u32| components[component as usize].step as f32;
-        let largest_of = offset_chunks.zip(vertices).map(|(offsets, (slots, of_vertex))| match only_step {
-            Some(step) => dispatch!(level, simd => write_some(simd, moves, slots, of_vertex, |_| step, &to_object, offsets)),
-            None => dispatch!(level, simd => write_some(simd, moves, slots, of_vertex, step, &to_object, offsets)),
+        // Of numbers of 0 or more the bits are in the same order.
+        let largest_squared = AtomicU32::new(0);
+        let rows = Equal::new(offsets, CHUNK);
+        for_each_piece(rows.count(), rows, &|row, offsets| {
+            let vertices = row * CHUNK..row * CHUNK + offsets.values.len();
+            let (slots, of_vertex) = (&binding.slot_of_vertex[vertices.clone()], &binding.component_of_vertex[vertices]);
+            let largest = match only_step {
+                Some(step) => dispatch!(level, simd => write_some(simd, moves, slots, of_vertex, |_| step, &to_object, offsets.values)),
+                None => dispatch!(level, simd => write_some(simd, moves, slots, of_vertex, step, &to_object, offsets.values)),
+            };
+            largest_squared.fetch_max(largest.to_bits(), Ordering::Relaxed);
         });
-        let largest_squared = largest_of.reduce(|| 0.0, f32::max);
+        let largest_squared = f32::from_bits(largest_squared.into_inner());
         self.report.max_displacement = f64::from(largest_squared).sqrt();
     }
 
