@@ -259,9 +259,10 @@ impl FieldSum {
         }
     }
 
-    /// What a joint gives without axes: by its bell, and by all of its vicinity.
-    pub fn add_round(&mut self, field: &Field, sign: f32, weights: &[f32], bell: &[f32]) {
-        add_factors(field, sign, weights, bell, &mut self.by_gradient, &mut self.residual_by_gradient);
+    /// What a joint gives without axes: by its bell, and by all of its vicinity. Leaves weights times the bell in `heights`.
+    pub fn add_round(&mut self, field: &Field, sign: f32, frame: &FieldFrame, weights: &[f32], places: Rows, heights: &mut [f32]) {
+        let sums = [&mut self.by_gradient, &mut self.residual_by_gradient];
+        dispatch!(Level::new(), simd => add_round_by_lanes(simd, field, sign, frame, weights, places, heights, sums));
     }
 
     /// What a joint gives along its axes.
@@ -296,27 +297,28 @@ impl FieldSum {
     }
 }
 
-fn add_factors(field: &Field, sign: f32, weights: &[f32], heights: &[f32], by_gradient: &mut Row, residual: &mut Row) {
-    dispatch!(Level::new(), simd => add_factors_by_lanes(simd, field, sign, weights, heights, by_gradient, residual));
-}
-
 #[inline(always)]
-fn add_factors_by_lanes<S: Simd>(
-    _: S,
+#[expect(clippy::too_many_arguments, reason = "the arguments of one loop")]
+fn add_round_by_lanes<S: Simd>(
+    simd: S,
     field: &Field,
     sign: f32,
+    frame: &FieldFrame,
     weights: &[f32],
-    heights: &[f32],
-    by_gradient: &mut Row,
-    residual: &mut Row,
+    places: Rows,
+    heights: &mut [f32],
+    [by_gradient, residual]: [&mut Row; 2],
 ) {
-    let count = weights.len();
-    let (heights, by_gradient, residual) = (&heights[..count], &mut by_gradient[..count], &mut residual[..count]);
-    let (bell, all) = (field.bell as f32, field.all as f32);
-    for i in 0..count {
-        let added = heights[i] * bell + weights[i] * all;
-        by_gradient[i] += added;
-        residual[i] += added * sign;
+    let bell = Bell::new(simd, places, frame);
+    let (round, all) = (field.bell as f32, field.all as f32);
+    let rows = weights.as_chunks().0.iter().zip(heights.as_chunks_mut().0);
+    let sums = by_gradient.as_chunks_mut::<LANES>().0.iter_mut().zip(residual.as_chunks_mut::<LANES>().0);
+    for (number, ((weights, heights), (by_gradient, residual))) in rows.zip(sums).enumerate() {
+        let height = bell.times(simd, weights, number);
+        let added = height * round + f32x8::simd_from(simd, *weights) * all;
+        *heights = height.into();
+        *by_gradient = (f32x8::simd_from(simd, *by_gradient) + added).into();
+        *residual = (f32x8::simd_from(simd, *residual) + added * sign).into();
     }
 }
 

@@ -29,6 +29,9 @@ pub(crate) struct Stages {
     weight_offsets: Vec<u32>,
     /// Weight of all that hangs on a joint.
     weights: Vec<f64>,
+    /// Per body and one past the last: where its rest positions start, three rows of whole blocks.
+    rest_offsets: Vec<u32>,
+    rest: Vec<f64>,
     /// Per body, whether each of its points is one site, and joints are few.
     is_single: Vec<bool>,
 }
@@ -38,11 +41,9 @@ pub(crate) struct Stages {
 pub(crate) struct Body<'a> {
     pub index: usize,
     pub slots: &'a [u32],
-    /// So many of the slots, the first, are neighbours.
-    pub owned: usize,
     pub sites: &'a Sites,
-    /// Rest position per site.
-    pub rest: &'a [V4],
+    /// Rest position per site, where shape keys have changed it.
+    pub shaped_rest: Option<&'a [V4]>,
     pub motions: &'a Motions,
     /// At rest, where losses are measured.
     pub moment: Moment,
@@ -76,13 +77,14 @@ impl<'a> Rows<'a> {
 }
 
 /// Bodies that more joints deform are skinned vertex by vertex, unless losses are measured by stages.
-const JOINTS_MAX: usize = 8;
+const JOINTS_MAX: usize = 16;
 
 impl Stages {
     /// Bodies are patches, then giants. `measures`: losses are to be measured.
     pub fn new(anatomy: &Anatomy, jobs: &[Job], measures: bool) -> Self {
         let mut result = Self::default();
         result.weight_offsets.push(0);
+        result.rest_offsets.push(0);
         for patch in &anatomy.patches.list {
             result.push(anatomy, &anatomy.patches.local[patch.local.clone()], patch.component, jobs, measures);
         }
@@ -90,6 +92,7 @@ impl Stages {
             result.push(anatomy, &giant.corners, giant.component, jobs, measures);
         }
         result.weights.shrink_to_fit();
+        result.rest.shrink_to_fit();
         result
     }
 
@@ -116,6 +119,7 @@ impl Stages {
 
     fn push(&mut self, anatomy: &Anatomy, slots: &[u32], component: u32, jobs: &[Job], measures: bool) {
         let Anatomy { sites, tree, .. } = *anatomy;
+        let padding = slots.len()..slots.len().next_multiple_of(BLOCK);
         let all_sites = || slots.iter().flat_map(|&slot| sites.of_slot(slot as usize));
         let bones = || {
             all_sites().flat_map(|site| {
@@ -139,16 +143,25 @@ impl Stages {
                 };
                 sites.of_slot(slot as usize).map(|site| sites.share(site) * of_site(site)).sum::<f64>()
             }));
-            self.weights.extend((slots.len()..slots.len().next_multiple_of(BLOCK)).map(|_| 0.0));
+            self.weights.extend(padding.clone().map(|_| 0.0));
         }
         self.weight_offsets.push(self.weights.len() as u32);
+        for axis in 0..3 {
+            self.rest.extend(slots.iter().map(|&slot| sites.mean(slot as usize, |site| sites.rest[site])[axis]));
+            self.rest.extend(padding.clone().map(|_| 0.0));
+        }
+        self.rest_offsets.push(self.rest.len() as u32);
         // A patch without faces has joints that no face knows: they change nothing.
         self.jobs.push_row(joints.iter().map(|&j| find_job(jobs, usize::from(j), component).unwrap_or(u32::MAX)));
         self.joints.push_row(joints);
     }
 
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.tops) + self.joints.memory_bytes() + self.jobs.memory_bytes() + size_of_val(&*self.weights)
+        size_of_val(&*self.tops)
+            + self.joints.memory_bytes()
+            + self.jobs.memory_bytes()
+            + size_of_val(&*self.weights)
+            + size_of_val(&*self.rest)
     }
 
     /// Joints that deform a body.
@@ -191,7 +204,7 @@ impl Stages {
     /// Positions as all joints leave them: those of the skin where `ends_skinned`.
     #[inline(always)]
     pub fn skin<S: Simd>(&self, simd: S, body: Body, mut rows: Rows, positions: &mut [V4]) {
-        self.start(simd, body, &mut rows);
+        self.start(body, &mut rows);
         for (stage, &joint) in self.joints.row(body.index).iter().enumerate() {
             self.add(simd, body, stage, usize::from(joint), &mut rows);
         }
@@ -215,7 +228,7 @@ impl Stages {
         let motions = body.motions;
         let joints = self.joints.row(body.index);
         let last = joints.iter().rposition(|&j| !motions.is_still[usize::from(j)]);
-        self.start(simd, body, &mut rows);
+        self.start(body, &mut rows);
         let mut before = moved_volume(motions.palette.alone(usize::from(self.tops[body.index])), body.moment);
         for (stage, change) in changes.iter_mut().enumerate().take(last.map_or(0, |last| last + 1)) {
             let joint = usize::from(joints[stage]);
@@ -227,7 +240,7 @@ impl Stages {
                 self.add(simd, body, stage, motions.stretched(joint), &mut rows);
                 place_all(simd, body, &rows, positions.as_mut());
                 stretched = volume(positions);
-                self.start(simd, body, &mut rows);
+                self.start(body, &mut rows);
                 for (earlier, &joint) in joints[..stage].iter().enumerate() {
                     self.add(simd, body, earlier, usize::from(joint), &mut rows);
                 }
@@ -246,26 +259,12 @@ impl Stages {
 
     /// All points as the joint above leaves them.
     #[inline(always)]
-    fn start<S: Simd>(&self, simd: S, body: Body, rows: &mut Rows) {
+    fn start(&self, body: Body, rows: &mut Rows) {
         let palette = &body.motions.palette;
         let top = usize::from(self.tops[body.index]);
         let count = body.slots.len();
-        let at_rest = |slot: &u32| body.sites.mean(*slot as usize, |site| body.rest[site]);
+        self.put_at_rest(body, rows);
         let [x, y, z] = rows.place.each_mut().map(|row| &mut row[..count]);
-        // Sites of single points lie like their slots.
-        let own = if self.is_single[body.index] { body.owned } else { 0 };
-        let first = body.sites.of_slot(body.slots[0] as usize).start;
-        let fours = body.rest[first..][..own].as_chunks::<4>().0;
-        for (i, [a, b, c, d]) in fours.iter().enumerate() {
-            let [by_x, by_y, by_z] = Four::of_rows(simd, [a, b, c, d]).coordinates();
-            by_x.store_slice(&mut x[4 * i..4 * i + 4]);
-            by_y.store_slice(&mut y[4 * i..4 * i + 4]);
-            by_z.store_slice(&mut z[4 * i..4 * i + 4]);
-        }
-        for (i, slot) in body.slots.iter().enumerate().skip(4 * fours.len()) {
-            let p = at_rest(slot);
-            (x[i], y[i], z[i]) = (p[0], p[1], p[2]);
-        }
         // As `lanes::transform`, for many points side by side.
         let moved = |m: &Columns, axis: usize, p: [f64; 3]| m[3][axis] + m[0][axis] * p[0] + m[1][axis] * p[1] + m[2][axis] * p[2];
         if palette.mode == Mode::Linear {
@@ -287,6 +286,22 @@ impl Stages {
         }
         rows.dual.iter_mut().for_each(|row| row[..count].fill(0.0));
         add_dual(rows, count, |_| 1.0, motion.dual, motion.has_scale);
+    }
+
+    #[inline(always)]
+    fn put_at_rest(&self, body: Body, rows: &mut Rows) {
+        let count = body.slots.len();
+        if let Some(rest) = body.shaped_rest {
+            for (i, &slot) in body.slots.iter().enumerate() {
+                let p = body.sites.mean(slot as usize, |site| rest[site]);
+                rows.place.iter_mut().zip(p).for_each(|(row, p)| row[i] = p);
+            }
+            return;
+        }
+        let rest = &self.rest[self.rest_offsets[body.index] as usize..self.rest_offsets[body.index + 1] as usize];
+        for (row, rest) in rows.place.iter_mut().zip(rest.chunks_exact(count.next_multiple_of(BLOCK).max(1))) {
+            row[..count].copy_from_slice(&rest[..count]);
+        }
     }
 
     /// Lets a joint follow `motion` where it followed its parent.

@@ -196,8 +196,7 @@ impl Workspace {
                     let at = supports.weight_offsets[index] as usize + row * slots.len();
                     let at = at..at + slots.len();
                     let weights = &supports.weights[at.clone()];
-                    fields::bell_heights(weights, places, &state.frame, bell);
-                    sum.add_round(&state.field, sign, weights, bell);
+                    sum.add_round(&state.field, sign, &state.frame, weights, places, bell);
                     if state.frame.has_axes() {
                         let has_profiles = settings[binding.plan.jobs[job as usize].joint as usize].profiles.is_some();
                         sum.add_shaped(&state.field, sign, if has_profiles { &profiled[at] } else { bell }, directions);

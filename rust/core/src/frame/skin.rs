@@ -56,6 +56,7 @@ impl Workspace {
         sweep_giants(binding, &mut self.giant_volumes, giant_sources, |slot| self.skinned.at(slot));
         let Some(stages) = stages else { return };
         let mut giant_changes = giant_changes;
+        let shaped_rest = has_shapes.then_some(&**rest);
         for (index, (giant, moment)) in patches.giants.iter().zip(giant_moments).enumerate() {
             let corners = giant.corners.len();
             let padded = corners.next_multiple_of(BLOCK);
@@ -67,8 +68,7 @@ impl Workspace {
                 *moment = giant_moment(&positions[..corners]);
             }
             let (changes, rest_of_them) = giant_changes.split_at_mut(stages.joint_count(count + index));
-            let body =
-                Body { index: count + index, slots: &giant.corners, owned: 0, sites: &binding.sites, rest, motions, moment: *moment };
+            let body = Body { index: count + index, slots: &giant.corners, sites: &binding.sites, shaped_rest, motions, moment: *moment };
             let rows = Rows::new(&mut self.giant_room, padded);
             let volume = |p: &&mut [V4]| giant_volume(&p[..corners]);
             let last = dispatch!(level, simd => stages.measure(simd, body, rows, &mut positions, volume, changes));
@@ -113,7 +113,7 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
     let patch = &patches.list[index];
     let slots = &patches.local[patch.local.clone()];
     let Scratch { first: p, second: by_point, rows, .. } = scratch;
-    let mut body = Body { index, slots, owned: patch.owned, sites, rest, motions, moment: Moment::default() };
+    let mut body = Body { index, slots, sites, shaped_rest: has_shapes.then_some(rest), motions, moment: Moment::default() };
     let is_skinned = stages.ends_skinned(body);
     let mut last = None;
     if let Some(moment) = into.moment {
