@@ -106,9 +106,16 @@ def mouth() -> Body:
         (4.0, 1.0),
         (0.0, 1.0),
     ]
+    heads, tails = bones(
+        [[0.5, 0.0, 0.0], [0.8, 0.6, 0.0], [3.8, 0.6, 0.0]], [[0.5, 0.0, 0.0], [0.8, -0.75, 0.0], [3.8, -0.75, 0.0]]
+    )
+    return Body([drawn(profile, np.linspace(-0.6, 0.6, 13))], heads, tails)
+
+
+def drawn(profile: Sequence[tuple[float, float]], depths: Points) -> Surface:
+    """An outline of the x y plane, counter-clockwise, drawn along z, with points at most 0.1 apart."""
     outline = subdivided(np.array(profile), 0.1)
     count = len(outline)
-    depths = np.linspace(-0.6, 0.6, 13)
     positions = np.array([[x, y, z] for z in depths for x, y in outline])
     faces: list[list[int]] = [
         [k * count + i, k * count + (i + 1) % count, (k + 1) * count + (i + 1) % count, (k + 1) * count + i]
@@ -116,10 +123,7 @@ def mouth() -> Body:
         for i in range(count)
     ]
     faces += [list(range(count))[::-1], list(range((len(depths) - 1) * count, len(depths) * count))]
-    heads, tails = bones(
-        [[0.5, 0.0, 0.0], [0.8, 0.6, 0.0], [3.8, 0.6, 0.0]], [[0.5, 0.0, 0.0], [0.8, -0.75, 0.0], [3.8, -0.75, 0.0]]
-    )
-    return Body([Surface(positions, faces)], heads, tails)
+    return Surface(positions, faces)
 
 
 def subdivided(loop: Points, step: float) -> Points:

@@ -860,7 +860,7 @@ def automatic_weights(
     resolution: voxels along the longest side of the body, 8 to 1024; None: as many as the body needs. Parts two voxels
         apart are apart.
     falloff: exponent by which a bone's hold falls with distance, 0.5 to 32; larger is sharper.
-    smoothing: length over which the skin evens weights out, in distances to the nearest bone, taken half way into the
+    smoothing: length over which the skin evens weights out, in distances to the nearest bone, taken in the
         flesh, 0 to 10.
     max_influences: bones per vertex; None: any number. Weights fade towards the limit, none is cut off.
     stiffness: (B,) > 0, a bone of 2 holds as if it were at half the distance; None: 1.

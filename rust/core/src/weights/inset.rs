@@ -1,7 +1,8 @@
-//! Places in the flesh under the skin, half of the way to the nearest bone: there bones are compared.
+//! Places in the flesh under the skin, as far from the skin as from the nearest bone: there bones are compared.
 //!
 //! Skin belongs to the bone that it wraps, which need not be the nearest one: at an armpit or a groin the skin of the
-//! trunk is as near to the limb's bone. Under the skin the right one is nearer.
+//! trunk is as near to the limb's bone. From the centre of the largest ball under it that holds no bone, the right one is
+//! nearer.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -12,8 +13,6 @@ use super::solid::Solid;
 use super::voxels::Voxels;
 use crate::csr::Csr;
 
-/// Part of the way to the nearest bone, and at most of the way through the flesh.
-const DEPTH: f64 = 0.5;
 /// How far beneath and above a face is looked for flesh, in voxels.
 const PROBE: f64 = 1.5;
 /// Steps of the way through the flesh, in voxels.
@@ -36,8 +35,7 @@ pub fn places(solid: &Solid, skin: &Skin, rows: &Csr<(u32, f32)>, nearest: &[f32
         let hovering = (voxels.least_distance(row, p) - 1.0).clamp(0.0, 1.0);
         let from = p + hovering * (mean - p);
         let along = (1.0 - hovering) * inward[point] + hovering * (mean - p).normalize_or_zero();
-        let depth = (DEPTH * to_bone).min(DEPTH * way_through(voxels, viewers[point], from, along, to_bone));
-        from + depth * along
+        from + depth(voxels, viewers[point], nearest, (from, to_bone), along) * along
     };
     (0..solid.points.len()).into_par_iter().with_min_len(CHUNK).map(place).collect()
 }
@@ -83,12 +81,47 @@ fn angle_between(a: DVec3, b: DVec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b))
 }
 
-/// Length of the way from the skin through the flesh, up to `most`.
-fn way_through(voxels: &Voxels, viewer: u32, from: DVec3, along: DVec3, most: f64) -> f64 {
-    let mut way = STEP;
-    // The skin lies up to a voxel beside the solid.
-    while way < most && (way <= 1.0 || voxels.is_flesh(from + way * along, viewer)) {
-        way += STEP;
+/// How far along a way into the flesh the nearest bone is as near as the skin; at most half of the way through. `start` is a
+/// place of the skin and the distance to its nearest bone.
+fn depth(voxels: &Voxels, viewer: u32, nearest: &[f32], start: (DVec3, f64), along: DVec3) -> f64 {
+    let (from, mut to_bone) = start;
+    let (mut way, mut depth) = (0.0, 0.0);
+    loop {
+        let next = depth + STEP;
+        while way < 2.0 * next {
+            way += STEP;
+            // The skin lies up to a voxel beside the solid.
+            if way > 1.0 && !voxels.is_flesh(from + way * along, viewer) {
+                way -= STEP;
+                break;
+            }
+        }
+        let found = distance_at(voxels, viewer, nearest, from + next * along).unwrap_or(to_bone);
+        // From positive to negative: how much nearer the skin is than a bone.
+        let (before, after) = (to_bone - depth, found - next);
+        let reached = if after <= 0.0 { depth + STEP * (before / (before - after)).clamp(0.0, 1.0) } else { next };
+        if after <= 0.0 || way < 2.0 * next {
+            return reached.min(0.5 * way);
+        }
+        (depth, to_bone) = (next, found);
     }
-    if way < most { way - STEP } else { most }
+}
+
+/// The distance to the nearest bone between the centres of voxels; None where none is near.
+fn distance_at(voxels: &Voxels, viewer: u32, nearest: &[f32], p: DVec3) -> Option<f64> {
+    let low = (p - 0.5).floor();
+    let part = p - 0.5 - low;
+    let (mut sum, mut whole) = (0.0, 0.0);
+    for corner in 0..8 {
+        let at = [0, 1, 2].map(|axis| corner >> axis & 1);
+        let voxel = voxels.at([0, 1, 2].map(|axis| low[axis] as i64 + at[axis]));
+        let seen = voxels.nodes_in(voxel).filter(|&node| voxels.is_seen(node, viewer)).map(|node| nearest[node as usize]);
+        let distance = seen.fold(f32::INFINITY, f32::min);
+        if distance.is_finite() {
+            let weight: f64 = (0..3).map(|axis| if at[axis] == 1 { part[axis] } else { 1.0 - part[axis] }).product();
+            sum += weight * f64::from(distance);
+            whole += weight;
+        }
+    }
+    (whole > 0.0).then(|| sum / whole)
 }
