@@ -1,8 +1,9 @@
-"""A character side by side on its coarse mesh and on refined ones, plain and with its edges."""
+"""A character side by side on its coarse mesh and on refined ones, plain and with its edges, from the same place."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import tan
 from pathlib import Path
 
 import bpy
@@ -11,59 +12,72 @@ from mathutils import Vector
 
 from blend_fixtures.character import make_mesh
 
-from ..pictures import AFTER_TONE, BEFORE_TONE, Studio, Tone, fitted
+from ..pictures import AFTER_TONE, BEFORE_TONE, FIELD_OF_VIEW, Studio, Tone, View, fitted
 from .subjects import Subject
 from .trial import Posed
 
-WIDTH, HEIGHT = 1500, 520
+# Of each of the pictures that stand side by side.
+WIDTH, HEIGHT = 600, 480
 EDGE_TONE: Tone = (0.13, 0.11, 0.11)
-# Of what is shown, between neighbours and of edges.
-GAP, EDGE_WIDTH = 1.12, 0.004
+# Of the width that is seen.
+EDGE_WIDTH = 0.0028
 
 
 def take(subject: Subject, posed: Sequence[Posed], output: Path) -> None:
-    """Saves two PNGs: the first character in one tone, the refined ones in another."""
+    """Saves two PNGs, four where one joint is looked at: the coarse character in one tone, the refined in another."""
     bpy.ops.wm.read_homefile(use_empty=True)
     studio = Studio([])
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = WIDTH, HEIGHT
+    scene.render.film_transparent = False
+    scene.display.shading.background_type = "VIEWPORT"
+    scene.display.shading.background_color = (1.0, 1.0, 1.0)
     scene.display.shading.color_type = "OBJECT"
-    # Over thousands of thin edges shadows take minutes.
-    scene.display.shading.show_shadows = False
-    direction = Vector(subject.direction).normalized()
-    right = np.array(direction.to_track_quat("Z", "Y").to_matrix().col[0])
-    cut = [_near(one, subject) for one in posed]
-    width = max(float(np.ptp(points @ right)) for points, _ in cut)
-    objects, shown = [], []
-    for number, (points, faces) in enumerate(cut):
-        points = points - right * (0.5 * (points @ right).max() + 0.5 * (points @ right).min())
-        points = points + right * (number - 1) * GAP * width
-        shown.append(points)
-        objects.append(_added(points, faces, BEFORE_TONE if number == 0 else AFTER_TONE))
-    view = fitted(np.concatenate(shown), direction, HEIGHT / WIDTH)
-    studio.take_picture(view, AFTER_TONE, output / f"{subject.name}.png")
-    for ob in objects:
-        edges = ob.copy()
-        edges.color = (*EDGE_TONE, 1.0)
-        wires = edges.modifiers.new("Edges", "WIREFRAME")
-        wires.thickness, wires.offset, wires.use_even_offset = EDGE_WIDTH * width, 1.0, False
-        scene.collection.objects.link(edges)
-    studio.take_picture(view, AFTER_TONE, output / f"{subject.name}_edges.png")
+    framed = {subject.name: [one.points for one in posed]}
+    if subject.about is not None:
+        distances = [np.linalg.norm(one.points - one.centre, axis=1) for one in posed]
+        near = [one.points[far < subject.reach] for one, far in zip(posed, distances, strict=True)]
+        framed[f"{subject.name}_near"] = near
+    for name, points in framed.items():
+        view = fitted(np.concatenate(points), Vector(subject.direction).normalized(), HEIGHT / WIDTH)
+        for has_edges in (False, True):
+            # Over thousands of thin edges shadows take minutes.
+            scene.display.shading.show_shadows = not has_edges
+            path = output / f"{name}{'_edges' if has_edges else ''}.png"
+            panels = []
+            for number, one in enumerate(posed):
+                objects = _added(one, BEFORE_TONE if number == 0 else AFTER_TONE, view, has_edges=has_edges)
+                panels.append(path.with_stem(f"{path.stem}_{number}"))
+                studio.take_picture(view, AFTER_TONE, panels[-1])
+                for ob in objects:
+                    bpy.data.objects.remove(ob)
+            _join(panels, path)
 
 
-def _near(posed: Posed, subject: Subject) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Points, and the faces that are shown: near the joint that the picture is about."""
+def _added(posed: Posed, tone: Tone, view: View, *, has_edges: bool) -> list[bpy.types.Object]:
     faces = np.split(posed.corners, np.cumsum(posed.sizes)[:-1])
-    if posed.centre is None:
-        return posed.points, faces
-    is_near = np.linalg.norm(posed.points - posed.centre, axis=1) < subject.reach
-    kept = [face for face in faces if is_near[face].all()]
-    used, compact = np.unique(np.concatenate(kept), return_inverse=True)
-    return posed.points[used], np.split(compact.ravel(), np.cumsum([len(face) for face in kept])[:-1])
+    mesh = make_mesh("posed", posed.points, faces)
+    found = [bpy.data.objects.new("posed", mesh) for _ in range(1 + has_edges)]
+    for ob, colour in zip(found, (tone, EDGE_TONE), strict=False):
+        ob.color = (*colour, 1.0)
+        bpy.context.scene.collection.objects.link(ob)
+    if has_edges:
+        width = 2.0 * tan(FIELD_OF_VIEW / 2) * view.distance
+        wires = found[1].modifiers.new("Edges", "WIREFRAME")
+        wires.thickness, wires.offset, wires.use_even_offset = EDGE_WIDTH * width, 1.0, False
+    return found
 
 
-def _added(points: np.ndarray, faces: Sequence[np.ndarray], tone: Tone) -> bpy.types.Object:
-    ob = bpy.data.objects.new("posed", make_mesh("posed", points, faces))
-    ob.color = (*tone, 1.0)
-    bpy.context.scene.collection.objects.link(ob)
-    return ob
+def _join(panels: Sequence[Path], path: Path) -> None:
+    """Side by side as one PNG; they are deleted."""
+    rows = []
+    for panel in panels:
+        image = bpy.data.images.load(str(panel.resolve()))
+        rows.append(np.array(image.pixels, np.float32).reshape(HEIGHT, WIDTH, 4))
+        bpy.data.images.remove(image)
+        panel.unlink()
+    joined = bpy.data.images.new(path.stem, WIDTH * len(rows), HEIGHT)
+    joined.pixels.foreach_set(np.concatenate(rows, axis=1).ravel())
+    joined.filepath_raw, joined.file_format = str(path.resolve()), "PNG"
+    joined.save()
+    bpy.data.images.remove(joined)
