@@ -25,7 +25,7 @@ const NUMBERS_PER_POINT: usize = 24;
 /// Small meshes may have this many in any case.
 const NUMBERS_MIN: usize = 1 << 14;
 /// Turns that a thread takes at a time.
-const TURNS: usize = 16;
+const TURNS: usize = 4;
 /// Place of the joint above in a block.
 const TOP: u16 = u16::MAX;
 
@@ -132,8 +132,8 @@ impl VolumeForms {
         size_of_val(&*self.turns) + self.blocks.memory_bytes() + size_of_val(&*self.numbers)
     }
 
-    /// Adds what turns do to the faces they deform.
-    pub fn measure(&self, motions: &Motions, buffers: &mut FormBuffers, of_job: &mut [Change]) {
+    /// What turns do to the faces they deform.
+    pub fn measure(&self, motions: &Motions, buffers: &mut FormBuffers) {
         let palette = &motions.palette;
         for (joint, (whole, &centre)) in buffers.whole.iter_mut().zip(&self.centres).enumerate() {
             *whole = span(palette.alone(joint), centre);
@@ -169,7 +169,11 @@ impl VolumeForms {
                 measure(row * TURNS + place, change);
             }
         });
-        for (change, turn) in changes.iter().zip(&self.turns) {
+    }
+
+    /// Adds what was measured to the changes of jobs.
+    pub fn gather(&self, buffers: &FormBuffers, of_job: &mut [Change]) {
+        for (change, turn) in buffers.changes.iter().zip(&self.turns) {
             of_job[turn.job as usize].join(change);
         }
     }

@@ -159,9 +159,11 @@ impl VolumeSkin {
         if offsets.len() != bound {
             return Err(Error::VertexCount { found: offsets.len(), bound });
         }
-        workspace.take(&self.binding, pose, self.options.keep_bone_scale)?;
-        self.with_helpers(|| self.correct(pose, workspace, offsets));
-        Ok(&workspace.report)
+        self.with_helpers(|| {
+            workspace.take(&self.binding, pose, self.options.keep_bone_scale)?;
+            self.correct(pose, workspace, offsets);
+            Ok(&workspace.report)
+        })
     }
 
     /// How the field of the joint at the head of `bone` lies in a pose. The workspace is stale afterwards.
@@ -176,9 +178,11 @@ impl VolumeSkin {
 
     /// Skins and measures a pose, and leaves the volume as it is.
     pub(crate) fn skin_pose(&self, pose: &Pose, workspace: &mut Workspace) -> Result<()> {
-        workspace.take(&self.binding, pose, self.options.keep_bone_scale)?;
-        self.with_helpers(|| self.skin(pose, workspace));
-        Ok(())
+        self.with_helpers(|| {
+            workspace.take(&self.binding, pose, self.options.keep_bone_scale)?;
+            self.skin(pose, workspace);
+            Ok(())
+        })
     }
 
     /// Adds the workspace's pose to what poses ask for.
@@ -190,12 +194,14 @@ impl VolumeSkin {
         &self.binding
     }
 
-    fn with_helpers(&self, work: impl FnOnce()) {
-        crew::with_helpers(helpers_for(self.binding.patches.list.len()), work);
+    fn with_helpers<R>(&self, work: impl FnOnce() -> R) -> R {
+        crew::with_helpers(helpers_for(self.binding.patches.list.len()), work)
     }
 
     fn skin(&self, pose: &Pose, workspace: &mut Workspace) {
         workspace.mask.clone_from(&self.mask);
+        // First: it is little, and helpers are on their way.
+        workspace.measure_forms(&self.binding);
         workspace.skin(&self.binding);
         workspace.measure(&self.binding, &self.supports, &self.joints, pose);
     }

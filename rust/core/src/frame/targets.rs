@@ -10,11 +10,18 @@ use crate::supports::Supports;
 const LOSS_FLOOR: f64 = 1e-3;
 
 impl Workspace {
+    /// Losses that no skinned point is needed for.
+    pub(crate) fn measure_forms(&mut self, binding: &Binding) {
+        if let (Some(forms), Some(buffers)) = (&binding.plan.forms, &mut self.forms) {
+            forms.measure(&self.motions, buffers);
+        }
+    }
+
     /// Losses, targets, and the volume each job is to give back.
     pub(crate) fn measure(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pose: &Pose) {
         binding.plan.carry(&self.motions, &self.job_moments, &mut self.changes);
-        match (&binding.plan.forms, &mut self.forms) {
-            (Some(forms), Some(buffers)) => forms.measure(&self.motions, buffers, &mut self.changes),
+        match (&binding.plan.forms, &self.forms) {
+            (Some(forms), Some(buffers)) => forms.gather(buffers, &mut self.changes),
             _ => binding.plan.stages.gather(&self.stage_changes, &mut self.changes),
         }
         self.components.fill(ComponentState::default());
