@@ -34,6 +34,7 @@ class Settings:
     path: Path
     error_relative: float = 1e-4  # largest of reduced keys, part of the size; 0: one key per frame
     influences: int = 4  # bones per vertex
+    local_keys: bool = False  # reduced keys that move the skin around one joint each
 
 
 def export(targets: Sequence[bpy.types.Object], settings: Settings) -> list[BakeReport]:
@@ -68,6 +69,7 @@ def _with_keys(target: bpy.types.Object, settings: Settings) -> Iterator[Job]:
         tolerance_is_relative=True,
         # Engines clamp values.
         unit_values=True,
+        local_keys=settings.local_keys,
         influences=settings.influences,
         use_linear=True,
         name=f"{name} Export",

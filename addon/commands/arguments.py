@@ -44,10 +44,22 @@ def add_part(parser: argparse.ArgumentParser, what: str) -> None:
     )
 
 
+def add_switch(parser: argparse.ArgumentParser, name: str, what: str) -> None:
+    """`--name` alone, or with `=on` or `=off` for programs that fill in a template."""
+    parser.add_argument(name, nargs="?", const=True, default=False, type=switch, metavar="on|off", help=what)
+
+
 def add_progress(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--progress", choices=("none", "openjd"), default="none", help="how to tell the progress (default: %(default)s)"
     )
+
+
+def switch(text: str) -> bool:
+    """Raises argparse.ArgumentTypeError."""
+    if text not in {"on", "off"}:
+        raise argparse.ArgumentTypeError(f"need on or off, got {text}")
+    return text == "on"
 
 
 def frames(text: str) -> NDArray[np.float64]:

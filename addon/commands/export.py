@@ -38,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="largest of shape keys, in percent of the size; 0: one key per frame (default: %(default)s)",
     )
     add("--influences", type=int, default=4, metavar="N", help="bones per vertex, 0 for all (default: %(default)s)")
+    add("--local", action="store_true", help="shape keys that move the skin around one joint each")
     add("--no-verify", action="store_true", help="do not import the file again")
     add(
         "--tolerance",
@@ -65,7 +66,9 @@ def run(arguments: argparse.Namespace) -> Outcome:
     if arguments.frames is not None:
         scene.frame_start, scene.frame_end = int(arguments.frames[0]), int(arguments.frames[-1])
     arguments.file.parent.mkdir(parents=True, exist_ok=True)
-    settings = exports.Settings(kind, arguments.file.absolute(), 0.01 * arguments.error, arguments.influences)
+    settings = exports.Settings(
+        kind, arguments.file.absolute(), 0.01 * arguments.error, arguments.influences, local_keys=arguments.local
+    )
     reports = exports.export(targets, settings)
     data: dict[str, Any] = {"frames": f"{scene.frame_start}-{scene.frame_end}", "format_name": kind}
     data["objects"] = [{"name": report.name, "keys": report.key_count, "notes": report.notes} for report in reports]

@@ -56,6 +56,12 @@ class EXPORT_SCENE_OT_turgor(bpy.types.Operator):
         max=32,
     )
 
+    local_keys: BoolProperty(
+        name="Local to Joints",
+        description="Every key moves the skin around one joint only and is named after its bone, so that it can be"
+        " sculpted on; takes more keys",
+    )
+
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         if context.mode not in {"OBJECT", "POSE"}:
@@ -87,10 +93,15 @@ class EXPORT_SCENE_OT_turgor(bpy.types.Operator):
         if self.format in exports.WITH_KEYS:
             column.prop(self, "error")
             column.prop(self, "influences")
+            reduced = column.row()
+            reduced.active = self.error > 0.0
+            reduced.prop(self, "local_keys")
         column.prop(self, "verify")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        settings = exports.Settings(self.format, self._path(), 0.01 * self.error, self.influences)
+        settings = exports.Settings(
+            self.format, self._path(), 0.01 * self.error, self.influences, local_keys=self.local_keys
+        )
         targets = characters(context)
         try:
             reports = exports.export(targets, settings)

@@ -73,10 +73,11 @@ def names() -> dict[str, list[str]]:
     }
 
 
-@pytest.mark.parametrize("kind", list(READERS))
-def test_imported_again_shape_and_volume_are_those_of_the_live_frame(route, live, tmp_path, kind: str):
+@pytest.mark.parametrize(("kind", "is_local"), [*((kind, False) for kind in READERS), ("GLTF", True), ("FBX", True)])
+def test_imported_again_shape_and_volume_are_those_of_the_live_frame(route, live, tmp_path, kind: str, is_local: bool):
     ob, armature = live
     expected = over_frames(ob, kind)
+    armature_bones = armature.data.bones.keys()
     bpy.context.scene.frame_set(7)
     other = bpy.data.objects.new("Other", bpy.data.meshes.new("Other"))
     bpy.context.scene.collection.objects.link(other)
@@ -85,7 +86,8 @@ def test_imported_again_shape_and_volume_are_those_of_the_live_frame(route, live
     # Named after the format.
     path = tmp_path / f"file.{'x' if kind == 'USD' else kind}"
     error = 0.005
-    assert bpy.ops.export_scene.turgor(filepath=str(path), format=kind, error=error, verify=False) == {"FINISHED"}
+    chosen = {"filepath": str(path), "format": kind, "error": error, "local_keys": is_local}
+    assert bpy.ops.export_scene.turgor(**chosen, verify=False) == {"FINISHED"}
     (path,) = tmp_path.iterdir()
     assert names() == before
     assert bpy.context.scene.frame_current == 7
@@ -99,7 +101,9 @@ def test_imported_again_shape_and_volume_are_those_of_the_live_frame(route, live
     assert read.name == "Tube" or (kind == "GLTF" and read.name == "Tube.001")
     keys = read.data.shape_keys
     if kind in {"GLTF", "FBX"}:
-        assert 0 < len(keys.key_blocks) - 1 < LAST_FRAME
+        own = [key.name for key in keys.key_blocks[1:]]
+        assert 0 < len(own) < (LAST_FRAME * len(armature_bones) if is_local else LAST_FRAME)
+        assert is_local == all(name.rpartition(" ")[0] in armature_bones for name in own)
         assert any(modifier.type == "ARMATURE" for modifier in read.modifiers)
     size = np.linalg.norm(np.ptp(expected[1][0], axis=0))
     tolerance = SHAPE if kind in {"GLTF", "FBX"} else EXACT

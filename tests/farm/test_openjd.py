@@ -10,6 +10,7 @@ import sys
 import time
 from pathlib import Path
 
+import bpy
 import pytest
 
 pytest.importorskip("openjd.cli", reason="openjd-cli is in the environment of Python 3.11")
@@ -25,7 +26,7 @@ class Farm:
 
     def __init__(self, output: Path, **parameters: object) -> None:
         self.output = output
-        self._parameters = parameters | {"Output": output, "Parts": PARTS, "Frames": "1-20.5x0.5", "ChunkFrames": 1}
+        self._parameters = {"Output": output, "Parts": PARTS, "Frames": "1-20.5x0.5", "ChunkFrames": 1} | parameters
 
     def begin(self, step: str, *parts: int) -> subprocess.Popen[str]:
         command = [sys.executable, "-m", "openjd", "run", str(TEMPLATE), "--step", step]
@@ -95,3 +96,13 @@ def test_a_killed_worker_loses_one_chunk_at_most_and_the_job_has_the_same_bytes(
     verified = [json.loads((broken.output / f"verified-{part}.json").read_text()) for part in (1, 2)]
     assert [each["objects"][0]["frames"] for each in verified] == ["1-10.5x0.5", "11-20.5x0.5"]
     assert all(each["is_fine"] for each in verified)
+
+
+def test_switches_reach_the_bake(farm):
+    chosen = farm("chosen", Method="reduced", LocalKeys="on", RepairFolds="on", Frames="1-9x4", ChunkFrames=2)
+    chosen.run("Merge")
+    assert json.loads((chosen.output / "Tube_reduced.json").read_text())["fold_frame_count"] is not None
+    bpy.ops.wm.open_mainfile(filepath=str(chosen.output / "baked.blend"))
+    keys = bpy.data.objects["Tube Baked"].data.shape_keys.key_blocks.keys()[1:]
+    assert keys
+    assert all(name.rpartition(" ")[0] in bpy.data.armatures[0].bones for name in keys)
