@@ -134,7 +134,7 @@ def test_moved_bodies_have_the_same_weights_to_voxel_accuracy():
 def test_weights_converge_with_the_voxels():
     """Errors are below a bound that falls as the voxels do."""
     for body in (limb(tube(rings=41, sides=24)), mouth()):
-        reference = body.matrix(resolution=256, max_influences=None)
+        reference = body.matrix(resolution=192, max_influences=None)
         for resolution in (24, 48, 96):
             error = np.abs(body.matrix(resolution=resolution, max_influences=None) - reference).mean()
             assert error < 0.03 / resolution
