@@ -35,9 +35,7 @@ struct Crew {
     has_panicked: AtomicBool,
 }
 
-// SAFETY: `job` is all that is not `Sync` of itself; `door` keeps its reads apart from its writes.
-unsafe impl Send for Crew {}
-// SAFETY: as above.
+// SAFETY: `job` is all that is not `Sync` of itself, and `door` keeps its reads apart from its writes.
 unsafe impl Sync for Crew {}
 
 thread_local! {
