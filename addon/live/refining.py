@@ -6,6 +6,7 @@ A mesh is refined once, for its whole motion and at rest: frames only ever see t
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import bpy
@@ -127,7 +128,9 @@ def refine(target: bpy.types.Object, options: Options, tell: Callable[[int], Non
         return found
     positions = refined_mesh.read_surface(mesh).positions
     keys = refined_mesh.read_key_positions(mesh)
-    place = found.smoothed if options.is_smooth else found.vertices
+    place = found.vertices
+    if options.is_smooth:
+        place = partial(found.smoothed, keeps_vertices=not _is_subdivided(mesh))
     key_positions = np.array([place(row) for row in keys]).reshape(len(keys), found.vertex_count, 3)
     offsets, corners = found.faces
     with runtime.quiet():
@@ -163,6 +166,15 @@ def _check(target: bpy.types.Object) -> None:
                     "{object} has a Multiresolution modifier: apply it, or refine before sculpting", object=user.name
                 )
             )
+
+
+def _is_subdivided(mesh: bpy.types.Mesh) -> bool:
+    """Whether a smooth surface is seen that vertices only control: then that is what has to stay."""
+    return any(
+        modifier.type == "SUBSURF" and modifier.subdivision_type == "CATMULL_CLARK"
+        for user in _users(mesh)
+        for modifier in user.modifiers
+    )
 
 
 def _users(mesh: bpy.types.Mesh) -> list[bpy.types.Object]:

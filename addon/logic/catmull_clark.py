@@ -1,6 +1,9 @@
 """Catmull-Clark positions of a mesh that is split once, with creases, as Blender's Subdivision Surface makes them.
 
-Only chosen faces move: their corners, edge centres and centres are where they would be if the whole mesh was split.
+Or pushed back so that vertices stay where they are, [MS01] Maillot, Stam: *A unified subdivision scheme for polygonal
+modeling*, 2001: new ones are moved back by the mean of what the rule would move the vertices they lie between. Along a
+line of quads that is the four-point scheme. Then all vertices lie on one smooth surface, also those that were there.
+
 Sharpness falls by one with each level, infinity stays; openings, and edges of more than two faces, are sharp.
 """
 
@@ -46,11 +49,17 @@ def split_creases(creases: Creases, split: Split, vertex_count: int) -> Creases:
 
 
 def smoothed(
-    split: Split, positions: NDArray[np.floating], points: NDArray[np.integer], creases: Creases
+    split: Split,
+    positions: NDArray[np.floating],
+    points: NDArray[np.integer],
+    creases: Creases,
+    *,
+    keeps_vertices: bool,
 ) -> NDArray[np.float64]:
     """(N', 3) after the split, of (N, 3) before it.
 
-    points: (N,) the vertex that stands for each one: surfaces run on across seams.
+    points: (N,) the vertex that stands for each one: surfaces run on across seams. keeps_vertices: pushed back; else
+    corners, edge centres and centres of chosen faces are where they would be if the whole mesh was split.
     """
     places = np.asarray(positions, np.float64)
     points = np.asarray(points, np.int64)
@@ -60,17 +69,23 @@ def smoothed(
     face_points = faces.means(places[faces.corners])
     edge_points = _edge_points(faces, edges, places, face_points, sharp.edges)
     vertex_points = _vertex_points(faces, edges, places, face_points, sharp)
-
-    moves = np.zeros(len(places), bool)
-    moves[faces.corners[split.is_chosen[faces.of_corners]]] = True
+    is_smooth = np.ones(len(split.centred), bool)
     moved = places.copy()
-    moved[moves[points]] = vertex_points[points[moves[points]]]
+    if keeps_vertices:
+        back = places - vertex_points
+        edge_points += back[edges.ends].mean(axis=1)
+        face_points += faces.means(back[faces.corners])
+    else:
+        is_smooth = split.is_chosen[split.centred]
+        moves = np.zeros(len(places), bool)
+        moves[faces.corners[split.is_chosen[faces.of_corners]]] = True
+        moved[moves[points]] = vertex_points[points[moves[points]]]
+
     found = split.vertices(moved)
     count = len(places)
     found[count : count + len(split.edge_ends)] = edge_points[edges.places(points[split.edge_ends])]
     centres = found[count + len(split.edge_ends) :]
-    is_chosen = split.is_chosen[split.centred]
-    centres[is_chosen] = face_points[split.centred[is_chosen]]
+    centres[is_smooth] = face_points[split.centred[is_smooth]]
     return found
 
 

@@ -15,7 +15,7 @@ from .refinement import Refinement, Surface, refine
 
 
 class Options(NamedTuple):
-    """What the artist chooses. is_automatic: no more levels than folds need; is_smooth: Catmull-Clark, else linear."""
+    """What the artist chooses. is_automatic: no more levels than folds need; is_smooth: else linear."""
 
     threshold: float
     levels: int

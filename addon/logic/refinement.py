@@ -61,12 +61,15 @@ class Refinement:
             found = split.vertices(found)
         return found
 
-    def smoothed(self, positions: NDArray[np.floating]) -> NDArray[np.float64]:
-        """(N', 3) by Catmull-Clark: faces of n levels are where n levels of the whole mesh would have them."""
+    def smoothed(self, positions: NDArray[np.floating], *, keeps_vertices: bool) -> NDArray[np.float64]:
+        """(N', 3) by Catmull-Clark: faces of n levels are where n levels of the whole mesh would have them.
+
+        keeps_vertices: pushed back, so that vertices stay where they are.
+        """
         found, creases = np.asarray(positions, np.float64), self.surface.creases
         for split, points in zip(self.splits, self.points, strict=True):
             count = len(found)
-            found = catmull_clark.smoothed(split, found, points, creases)
+            found = catmull_clark.smoothed(split, found, points, creases, keeps_vertices=keeps_vertices)
             creases = catmull_clark.split_creases(creases, split, count)
         return found
 

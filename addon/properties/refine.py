@@ -7,7 +7,12 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
 METHODS = (
     ("LINEAR", "Linear", "New vertices lie on the surface as it is: the rest shape stays the same"),
-    ("SMOOTH", "Smooth", "Catmull-Clark: refined faces are rounded as a Subdivision Surface modifier would"),
+    (
+        "SMOOTH",
+        "Smooth",
+        "New vertices lie on a smooth surface through those that are there; where a Subdivision Surface modifier makes"
+        " that surface, it stays",
+    ),
 )
 MOST_LEVELS = 4
 

@@ -903,8 +903,10 @@ TEXTS: dict[str, str] = {
         "Neue Punkte liegen auf der Oberfläche, wie sie ist: Die Ruheform bleibt gleich"
     ),
     "Smooth": "Glatt",
-    "Catmull-Clark: refined faces are rounded as a Subdivision Surface modifier would": (
-        "Catmull-Clark: Verfeinerte Flächen werden gerundet wie vom Modifikator Unterteilungsfläche"
+    "New vertices lie on a smooth surface through those that are there; where a Subdivision Surface modifier makes"
+    " that surface, it stays": (
+        "Neue Punkte liegen auf einer glatten Fläche durch die vorhandenen; wo der Modifikator Unterteilungsfläche"
+        " diese Fläche macht, bleibt sie erhalten"
     ),
     "Preview": "Vorschau",
     "Color the faces that would be refined over the scene's frames, or its preview range, and draw the new edges": (

@@ -375,7 +375,7 @@ def test_smooth_is_blenders_own_subdivision(package, levels, creased):
         made.attributes.new("crease_vert", "FLOAT", "POINT").data.foreach_set("value", values)
     surface = scene.read_surface(made)
     found = refinement.refine(logic.surface(*surface[1:]), np.full(len(made.polygons), levels))
-    smooth = found.smoothed(surface.positions)
+    smooth = found.smoothed(surface.positions, keeps_vertices=False)
 
     ob = bpy.data.objects.new("Made", made)
     bpy.context.scene.collection.objects.link(ob)
@@ -386,6 +386,31 @@ def test_smooth_is_blenders_own_subdivision(package, levels, creased):
     distances = np.linalg.norm(smooth[:, None] - expected, axis=2)
     assert distances.min(axis=1).max() < 2e-6
     assert distances.min(axis=0).max() < 2e-6
+
+
+def test_smooth_keeps_the_vertices_that_are_there():
+    ob, _ = character()
+    add_turgor(ob)
+    old = mesh_positions(ob.data)
+    assert refine(ob, method="SMOOTH") == {"FINISHED"}
+    assert np.array_equal(mesh_positions(ob.data)[: len(old)], old)
+
+
+def test_smooth_keeps_what_a_subdivision_surface_makes():
+    """Away from the border of what is refined."""
+    ob, _ = character()
+    add_turgor(ob)
+    bpy.context.scene.frame_set(1)
+    modifier = ob.modifiers.new("Subdivision", "SUBSURF")
+    modifier.levels, modifier.use_limit_surface = 2, True
+    before, old = positions(ob), mesh_positions(ob.data)
+    assert refine(ob, levels=1, method="SMOOTH", threshold=0.0) == {"FINISHED"}
+    assert np.linalg.norm(mesh_positions(ob.data)[: len(old)] - old, axis=1).max() > 0.01
+    # The same places of the limit surface, one level less of it.
+    modifier.levels = 1
+    middle = np.abs(before[:, 2] - 0.5 * LENGTH) < 0.1 * LENGTH
+    distances = np.linalg.norm(before[middle][:, None] - positions(ob), axis=2).min(axis=1)
+    assert distances.max() < 1e-5
 
 
 @pytest.mark.parametrize("reason", ["linked mesh", "edit mode", "other in edit mode", "multires", "nothing of ours"])

@@ -6,11 +6,12 @@ import numpy as np
 from hypothesis import strategies as st
 
 from addon.logic.catmull_clark import Creases
-from addon.logic.polygons import Faces
+from addon.logic.polygons import Faces, edges_of
 from addon.logic.refinement import Surface
 
 NO_CREASES = Creases(np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(0, np.int64), np.zeros(0))
 
+TUBE_RADIUS = 0.4
 seeds = st.integers(0, 2**32 - 1)
 
 
@@ -58,6 +59,32 @@ def patchwork(seed: int, *, roughness: float = 0.05, has_seam: bool = True) -> P
     sides_of_cube = ([0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3])
     faces += [[corner + len(points) for corner in face] for face in sides_of_cube]
     return Patchwork(np.concatenate([points, cube]), faces)
+
+
+def torus(rings: int, sides: int) -> Patchwork:
+    """Of radius 1, quads all over."""
+    around, along = np.meshgrid(*(2.0 * np.pi * np.arange(n) / n for n in (rings, sides)), indexing="ij")
+    out = 1.0 + TUBE_RADIUS * np.cos(along)
+    points = np.stack([out * np.cos(around), out * np.sin(around), TUBE_RADIUS * np.sin(along)], axis=-1)
+    numbers = np.arange(rings * sides).reshape(rings, sides)
+    beside, above = np.roll(numbers, -1, axis=0), np.roll(numbers, -1, axis=1)
+    faces = np.stack([numbers, beside, np.roll(beside, -1, axis=1), above], axis=-1)
+    return Patchwork(points.reshape(-1, 3), faces.reshape(-1, 4).tolist())
+
+
+def distance_to_torus(points: np.ndarray) -> np.ndarray:
+    """Outside of it is positive."""
+    return np.hypot(np.hypot(points[:, 0], points[:, 1]) - 1.0, points[:, 2]) - TUBE_RADIUS
+
+
+def bend_at_edges(positions: np.ndarray, faces: Faces) -> np.ndarray:
+    """(E,) angle between the two faces of each edge of a closed mesh."""
+    around = positions[faces.corners]
+    areas = faces.means(np.cross(around, around[faces.following]))
+    normals = areas / np.linalg.norm(areas, axis=1, keepdims=True)
+    order = np.argsort(edges_of(faces).of_corners, kind="stable")
+    one, other = faces.of_corners[order].reshape(-1, 2).T
+    return np.arccos(np.clip((normals[one] * normals[other]).sum(axis=1), -1.0, 1.0))
 
 
 def volume(positions: np.ndarray, faces: Faces) -> float:

@@ -6,7 +6,18 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from patchworks import NO_CREASES, Patchwork, edge_balance, patchwork, seeds, volume
+from patchworks import (
+    NO_CREASES,
+    TUBE_RADIUS,
+    Patchwork,
+    bend_at_edges,
+    distance_to_torus,
+    edge_balance,
+    patchwork,
+    seeds,
+    torus,
+    volume,
+)
 
 from addon.logic import refined_levels
 from addon.logic.polygons import Faces
@@ -123,7 +134,7 @@ def test_nothing_asked_for_is_nothing_done(seed: int):
     assert found.face_count == 0
     assert found.faces is made.faces
     assert np.array_equal(found.vertices(made.positions), made.positions)
-    assert np.array_equal(found.smoothed(made.positions), made.positions)
+    assert np.array_equal(found.smoothed(made.positions, keeps_vertices=False), made.positions)
 
 
 @given(seeds, st.floats(0.0, 1.0), st.floats(0.0, 1.0), levels, st.booleans())
@@ -194,11 +205,43 @@ def test_faces_that_ask_for_nothing_are_cut_only_where_neighbours_are_split(seed
             assert np.array_equal(found.faces.corners[start:stop], corners)
 
 
-@given(seeds, levels)
-def test_seams_do_not_open_when_smoothed(seed: int, most: int):
+@given(seeds, levels, st.booleans())
+def test_seams_do_not_open_when_smoothed(seed: int, most: int, keeps_vertices: bool):
     made = patchwork(seed)
     found = chosen(made, seed, most)
-    assert set(edge_balance(found.faces, places(found.smoothed(made.positions))).values()) == {0}
+    smooth = found.smoothed(made.positions, keeps_vertices=keeps_vertices)
+    assert set(edge_balance(found.faces, places(smooth)).values()) == {0}
+
+
+@given(seeds, levels)
+def test_smooth_goes_through_all_vertices(seed: int, most: int):
+    """Split or not: what was there stays to the last bit, as does what is made of it later."""
+    made = patchwork(seed)
+    found = chosen(made, seed, most)
+    smooth = found.smoothed(made.positions, keeps_vertices=True)
+    assert np.array_equal(smooth[: len(made.positions)], made.positions)
+    count = len(made.positions) + len(found.splits[0].edge_ends) + len(found.splits[0].centred) if found.splits else 0
+    fewer = Refinement(
+        found.surface,
+        found.levels,
+        found.splits[:1],
+        found.points[:1],
+        found.parents,
+        found.is_new,
+        found.corner_origins,
+    )
+    assert np.array_equal(smooth[:count], fewer.smoothed(made.positions, keeps_vertices=True)[:count])
+
+
+@given(seeds, levels)
+def test_the_border_of_what_is_refined_does_not_show_when_smooth(seed: int, most: int):
+    """On a torus: all vertices are as near to it, also at the border, and no edge is sharper than there were."""
+    made = torus(rings=16, sides=10)
+    found = chosen(made, seed, most, part=0.1)
+    smooth = found.smoothed(made.positions, keeps_vertices=True)
+    # Chords of ten sides miss 5 % of the radius.
+    assert np.abs(distance_to_torus(smooth)).max() < 0.01 * TUBE_RADIUS
+    assert bend_at_edges(smooth, found.faces).max() < bend_at_edges(made.positions, made.faces).max() + 1e-9
 
 
 @given(seeds, levels)
@@ -208,15 +251,16 @@ def test_only_faces_with_levels_move_when_smoothed(seed: int, most: int):
     moves = np.zeros(len(made.positions), bool)
     moves[made.points[made.faces.corners[found.levels[made.faces.of_corners] > 0]]] = True
     still = ~moves[made.points]
-    assert np.array_equal(found.smoothed(made.positions)[: len(still)][still], made.positions[still])
+    smooth = found.smoothed(made.positions, keeps_vertices=False)
+    assert np.array_equal(smooth[: len(still)][still], made.positions[still])
 
 
-@given(seeds, levels)
-def test_a_part_is_smoothed_as_the_whole_would_be(seed: int, most: int):
+@given(seeds, levels, st.booleans())
+def test_a_part_is_smoothed_as_the_whole_would_be(seed: int, most: int, keeps_vertices: bool):
     """Vertices of faces of n levels are where n levels of the whole mesh have them."""
     made = patchwork(seed, has_seam=False)
     found = chosen(made, seed, most, part=0.2)
-    smooth = found.smoothed(made.positions)
+    smooth = found.smoothed(made.positions, keeps_vertices=keeps_vertices)
     of_corners = found.levels[found.parents][found.faces.of_corners]
     lowest, highest = np.full(found.vertex_count, 9), np.zeros(found.vertex_count, int)
     np.minimum.at(lowest, found.faces.corners, of_corners)
@@ -225,7 +269,8 @@ def test_a_part_is_smoothed_as_the_whole_would_be(seed: int, most: int):
     for level, split in enumerate(found.splits, 1):
         count += len(split.edge_ends) + len(split.centred)
         inner = (np.arange(found.vertex_count) < count) & (lowest == level) & (highest == level)
-        everywhere = refine(made.surface, np.full(len(found.levels), level)).smoothed(made.positions)
+        whole = refine(made.surface, np.full(len(found.levels), level))
+        everywhere = whole.smoothed(made.positions, keeps_vertices=keeps_vertices)
         distances = np.linalg.norm(smooth[inner][:, None] - everywhere, axis=2)
         assert distances.min(axis=1, initial=9.0).max(initial=0.0) < 1e-12
 
