@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..logic.bake_report import BakeReport
+from ..logic.chunk_store import ChunkStore
+from ..logic.point_cache_store import PointCacheStore
 from .computing import Computing
 from .options import Options
 from .skinned_rest import Posed
@@ -37,6 +39,7 @@ class Baking:
     options: Options
     report: BakeReport
     live: Computing | None = None  # all of whose frames are sampled
+    store: ChunkStore | PointCacheStore | None = None  # of its chunks; None: in memory
     copy: bpy.types.Object | None = None  # carries the bake
     last: str | None = None  # its modifier that shows the live positions; None: its keys do
 

@@ -1,4 +1,4 @@
-"""Live positions of many frames, chunk by chunk: Blender samples one while the engine works on the one before."""
+"""Live positions of many frames, chunk by chunk: Blender samples some while the engine works on those before."""
 
 from __future__ import annotations
 
@@ -6,14 +6,16 @@ from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing
+from dataclasses import dataclass, field
 from itertools import islice
 from time import perf_counter
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..logic.chunk_store import ChunkStore
+from ..logic.point_cache_store import PointCacheStore
 from .skinned_rest import Posed
 from .spine_frames import SpineFrames
 from .volume_frames import VolumeFrames
@@ -21,10 +23,18 @@ from .volume_frames import VolumeFrames
 # Frames of one chunk: so many, and so many bytes of positions.
 CHUNK_FRAMES, CHUNK_BYTES = 32, 1 << 23
 POSITION_BYTES = 12
+# Frames that the engine gets at a time, for it to begin early and end soon.
+PART_FRAMES = 8
 # Between two steps: to begin sampling takes as long as some frames.
 SECONDS_OF_WORK = 0.1
-# Chunks that may be in memory at one time.
+# Chunks that may be in memory at one time where a store keeps them.
 CHUNKS_UNDER_WAY = 3
+
+
+def frames_of_chunk(vertex_count: int, asked: int = 0) -> int:
+    """asked: 0 by the size of the mesh."""
+    by_size = min(CHUNK_FRAMES, max(CHUNK_BYTES // (POSITION_BYTES * max(vertex_count, 1)), 1))
+    return asked if asked > 0 else by_size
 
 
 class Computing:
@@ -36,18 +46,18 @@ class Computing:
         frames: NDArray[np.float64],
         *,
         chunk_frames: int = 0,
-        store: ChunkStore | None = None,
+        store: ChunkStore | PointCacheStore | None = None,
     ) -> None:
         """chunk_frames: 0 by the size of the mesh. store: None keeps them in memory."""
         self._source, self._frames, self._store = source, frames, store
         self._vertex_count = len(source.rest_positions)
-        by_size = min(CHUNK_FRAMES, max(CHUNK_BYTES // (POSITION_BYTES * max(self._vertex_count, 1)), 1))
-        self.chunk_frames = chunk_frames if chunk_frames > 0 else by_size
+        self.chunk_frames = frames_of_chunk(self._vertex_count, chunk_frames)
         self.poses: list[Posed | None] = []
         # (S, 3) of each chunk that is done, as `VolumeSkin.deform_many` counts folds; none where they are not repaired.
         self.folds: list[NDArray[np.float32]] = []
         self._fold_store = None if store is None else store.beside("folds")
-        self._pending: list[Future[NDArray[np.float32]]] = []
+        self._pending: list[tuple[int, Future[NDArray[np.float32] | None]]] = []
+        self._room: NDArray[np.float32] | None = None
         self._engine = ThreadPoolExecutor(1, "turgor-bake")
         self._disk = ThreadPoolExecutor(1, "turgor-write")
 
@@ -58,6 +68,8 @@ class Computing:
         for executor in (self._engine, self._disk):
             executor.shutdown(cancel_futures=True)
         self._pending.clear()
+        if self._store is not None:
+            self._store.close()
 
     @property
     def chunk_count(self) -> int:
@@ -71,7 +83,12 @@ class Computing:
     @property
     def chunks(self) -> Iterator[NDArray[np.float32]]:
         """(S, N, 3) each, in order of the frames, as they are done. Raises as the engine and the store do."""
-        return (pending.result() for pending in self._pending)
+        for number, pending in self._pending:
+            positions = pending.result()
+            if positions is None:
+                assert self._store is not None
+                positions = self._store.read(number, self._shape(number))
+            yield positions
 
     def sample(self, numbers: range) -> Iterator[int]:
         """Begins these chunks, main thread only; tells how many frames are sampled. Raises as `chunks`."""
@@ -81,43 +98,85 @@ class Computing:
             frames = np.concatenate([self.frames_of(number) for number in ahead])
             with closing(self._source.samples(frames)) as sampled:
                 while ahead and perf_counter() < until:
-                    number = ahead.popleft()
-                    samples = list(islice(sampled, len(self.frames_of(number))))
-                    self.poses.extend(sample.posed for sample in samples)
-                    if len(self._pending) >= CHUNKS_UNDER_WAY:
-                        self._pending[-CHUNKS_UNDER_WAY].result()
-                    made = self._engine.submit(self._chunk, number, samples)
-                    self._pending.append(self._disk.submit(self._kept, number, made))
+                    self._begin(ahead.popleft(), sampled)
             yield len(self.poses)
 
-    def _chunk(self, number: int, samples: list) -> _Chunk:
-        counts = np.zeros((len(samples), 3), np.int32)
-        if self._store is None or self._fold_store is None:
-            return _Chunk("", self._source.positions(samples, counts), counts.astype(np.float32), True)
-        name = self._source.fingerprint(samples)
-        folds = counts.astype(np.float32)
-        if self._source.repairs_folds:
-            folds = self._fold_store.find(number, name, counts.shape)
-        known = None if folds is None else self._store.find(number, name, (len(samples), self._vertex_count, 3))
-        if known is not None and folds is not None:
-            return _Chunk(name, known, folds, True)
-        return _Chunk(name, self._source.positions(samples, counts), counts.astype(np.float32), False)
+    def finished(self) -> Iterator[int]:
+        """Waits for all chunks that are begun; tells how many frames are done. Raises as `chunks`."""
+        done = 0
+        for number, pending in self._pending:
+            pending.result()
+            done += len(self.frames_of(number))
+            yield done
 
-    def _kept(self, number: int, made: Future[_Chunk]) -> NDArray[np.float32]:
-        name, positions, folds, is_kept = made.result()
+    def _begin(self, number: int, sampled: Iterator[Any]) -> None:
+        if len(self._pending) >= CHUNKS_UNDER_WAY:
+            self._pending[-CHUNKS_UNDER_WAY][1].result()
+        count = len(self.frames_of(number))
+        chunk = _Chunk(number, self._room_of(number), np.zeros((count, 3), np.int32))
+        store, folds = self._store, self._fold_store
+        may_be_there = (store is not None and store.may_have(number)) or (folds is not None and folds.may_have(number))
+        for start in range(0, count, PART_FRAMES):
+            part = list(islice(sampled, min(PART_FRAMES, count - start)))
+            chunk.samples += part
+            if not may_be_there:
+                chunk.parts.append(self._engine.submit(self._compute, chunk, start, part))
+        self.poses.extend(sample.posed for sample in chunk.samples)
+        if may_be_there:
+            chunk.parts.append(self._engine.submit(self._find_or_compute, chunk))
+        self._pending.append((number, self._disk.submit(self._kept, chunk)))
+
+    def _shape(self, number: int) -> tuple[int, int, int]:
+        return len(self.frames_of(number)), self._vertex_count, 3
+
+    def _room_of(self, number: int) -> NDArray[np.float32]:
+        # Large arrays cost fewer page faults than many, and used ones none.
+        if self._room is None:
+            count = len(self._frames) if self._store is None else CHUNKS_UNDER_WAY * self.chunk_frames
+            self._room = np.empty((count, self._vertex_count, 3), np.float32)
+        first = (number if self._store is None else len(self._pending) % CHUNKS_UNDER_WAY) * self.chunk_frames
+        return self._room[first : first + len(self.frames_of(number))]
+
+    def _compute(self, chunk: _Chunk, start: int, samples: list[Any]) -> None:
+        stop = start + len(samples)
+        self._source.compute(samples, chunk.positions[start:stop], chunk.folds[start:stop])
+
+    def _find_or_compute(self, chunk: _Chunk) -> None:
+        assert self._store is not None
+        assert self._fold_store is not None
+        name = self._source.fingerprint(chunk.samples)
+        folds: NDArray[Any] | None = chunk.folds
+        if self._source.repairs_folds:
+            folds = self._fold_store.find(chunk.number, name, chunk.folds.shape)
+        if folds is not None and self._store.find(chunk.number, name, chunk.positions.shape) is not None:
+            chunk.folds, chunk.is_kept = folds.astype(np.int32), True
+        else:
+            self._compute(chunk, 0, chunk.samples)
+
+    def _kept(self, chunk: _Chunk) -> NDArray[np.float32] | None:
+        """The positions, or None where the store has them."""
+        for part in chunk.parts:
+            part.result()
+        folds = chunk.folds.astype(np.float32)
         if self._source.repairs_folds:
             self.folds.append(folds)
-        if is_kept or self._store is None or self._fold_store is None:
-            return positions
-        if self._source.repairs_folds:
-            self._fold_store.put(number, name, folds)
-        return self._store.put(number, name, positions)
+        if self._store is None or self._fold_store is None:
+            return chunk.positions
+        if not chunk.is_kept:
+            name = self._source.fingerprint(chunk.samples)
+            if self._source.repairs_folds:
+                self._fold_store.put(chunk.number, name, folds)
+            self._store.put(chunk.number, name, chunk.positions)
+        return None
 
 
-class _Chunk(NamedTuple):
-    """Positions, counts of folds, and whether both are where they will be kept."""
+@dataclass
+class _Chunk:
+    """One under way."""
 
-    name: str
-    positions: NDArray[np.float32]
-    folds: NDArray[np.float32]
-    is_kept: bool
+    number: int
+    positions: NDArray[np.float32]  # (S, N, 3)
+    folds: NDArray[np.int32]  # (S, 3)
+    samples: list[Any] = field(default_factory=list)
+    parts: list[Future[None]] = field(default_factory=list)
+    is_kept: bool = False  # where it will be kept

@@ -11,8 +11,10 @@ from time import perf_counter
 import bpy
 import numpy as np
 
-from ..logic import chunk_store, frame_range, whole_file
+from ..logic import frame_range, whole_file
 from ..logic.bake_report import BakeReport
+from ..logic.chunk_store import ChunkStore
+from ..logic.point_cache_store import PointCacheStore
 from ..scene import baked_copy, scene_drivers, spine_stack, stack
 from . import correctives, driven, point_caches, shape_key_frames, verification
 from .baking import FRAMES_DONE, Baking, Progress
@@ -94,8 +96,8 @@ class Job:
         """Main thread only. Raises BakeError, whole_file.WriteError and what the engine raises."""
         started = perf_counter()
         options, baking = self._options, self._baking
-        self._check_folder(2 * len(options.frames))
-        store = self._store()
+        self._check_folder(len(options.frames))
+        store = baking.store = self._store()
         with self._computing(store) as computing:
             yield from self._sampled(computing, range(computing.chunk_count))
             baking.live = computing
@@ -126,7 +128,8 @@ class Job:
         """
         if self._options.folder is None:
             raise BakeError("Chunks need a folder: save the file first, or choose one")
-        with self._computing(self._store()) as computing:
+        folder = self.chunk_folder
+        with self._computing(None if folder is None else ChunkStore(folder)) as computing:
             self._check_folder(sum(len(computing.frames_of(number)) for number in numbers))
             for step in self._sampled(computing, numbers):
                 yield Progress(step.part / FRAMES_DONE, step.text)
@@ -141,8 +144,11 @@ class Job:
             self._baking.copy, self._baking.last = copy, baked_copy.shown_by(copy)
             yield from verification.verify(self._baking)
 
-    def _store(self) -> chunk_store.ChunkStore | None:
-        return None if self.chunk_folder is None else chunk_store.ChunkStore(self.chunk_folder)
+    def _store(self) -> ChunkStore | PointCacheStore | None:
+        folder = self.chunk_folder
+        if folder is not None and self._options.method == "POINT_CACHE":
+            return point_caches.store(self._options, folder, self.report.vertex_count)
+        return None if folder is None else ChunkStore(folder)
 
     def _check_folder(self, frame_count: int) -> None:
         if self._options.folder is not None:
@@ -155,7 +161,7 @@ class Job:
             return SpineFrames(target)
         raise BakeError(f"{target.name} has neither Turgor Volume nor Turgor Spine: there is nothing to bake")
 
-    def _computing(self, store: chunk_store.ChunkStore | None = None) -> Computing:
+    def _computing(self, store: ChunkStore | PointCacheStore | None = None) -> Computing:
         return Computing(self._source, self._options.frames, chunk_frames=self._options.chunk_frames, store=store)
 
     def _sampled(self, computing: Computing, numbers: range) -> Iterator[Progress]:

@@ -7,9 +7,11 @@ from pathlib import Path
 
 import bpy
 
-from ..logic import frame_range, point_cache, whole_file
+from ..logic import frame_range, point_cache
+from ..logic.point_cache_store import PointCacheStore
 from ..scene import baked_copy
 from .baking import Baking, Progress
+from .computing import frames_of_chunk
 from .options import BakeError, Options
 from .shape_key_frames import own_modifiers
 
@@ -24,16 +26,22 @@ def check(options: Options) -> float:
     return step
 
 
+def store(options: Options, folder: Path, vertex_count: int) -> PointCacheStore:
+    """Where the chunks of a bake go: they are the file. folder: for chunks. Raises whole_file.WriteError."""
+    header = point_cache.Header(vertex_count, float(options.frames[0]), check(options), len(options.frames))
+    return PointCacheStore(folder, header, frames_of_chunk(vertex_count, options.chunk_frames))
+
+
 def write(baking: Baking) -> Iterator[Progress]:
-    """Writes the file and makes the copy."""
-    source, options = baking.source, baking.options
-    step = check(options)
+    """Waits for the file and makes the copy."""
+    source, options, live = baking.source, baking.options, baking.live
+    step, first = check(options), float(options.frames[0])
     path = (options.folder or Path()) / f"{bpy.path.clean_name(baking.target.name)}.pc2"
-    first = float(options.frames[0])
-    header = point_cache.Header(baking.report.vertex_count, first, step, len(options.frames))
-    yield baking.making(0.0, f"Writing {path.name}")
-    with whole_file.written(path) as file:
-        baking.report.byte_count = point_cache.write(file, header, baking.chunks)
+    assert live is not None
+    assert isinstance(baking.store, PointCacheStore)
+    for done in live.finished():
+        yield baking.making(done / len(options.frames), f"Writing {path.name}")
+    baking.report.byte_count = baking.store.finish(path)
     removed = own_modifiers(baking)
     place = list(baking.target.modifiers).index(source.end)
     before = list(baking.target.modifiers)[:place]

@@ -22,10 +22,10 @@ def absolute(baking: Baking) -> Iterator[Progress]:
     columns = {}
     number = 0
     for chunk in baking.chunks:
-        for positions in chunk:
-            name = shape_key_writing.add_key(baking.copy, f"Frame {frames[number]:g}", positions, 0.0, 1.0)
-            columns[name] = tent(frames, number)
-            number += 1
+        with shape_key_writing.adding_keys(baking.copy) as add:
+            for positions in chunk:
+                columns[add(f"Frame {frames[number]:g}", positions, 0.0, 1.0)] = tent(frames, number)
+                number += 1
         yield baking.making(number / len(frames), f"{number} of {len(frames)} keys")
     shape_key_writing.key_values(baking.copy.data.shape_keys, columns)
     baking.report.key_count = len(frames)

@@ -87,6 +87,9 @@ class SpineFrames:
         """Of the positions themselves: sampling has computed them."""
         return fingerprint.fingerprint([sample.positions for sample in samples], self._bound.content)
 
-    def positions(self, samples: Sequence[Sample], _folds: NDArray[np.int32] | None = None) -> NDArray[np.float32]:
-        """(F, N, 3) after Turgor Spine, object space."""
-        return np.stack([sample.positions for sample in samples])
+    def compute(
+        self, samples: Sequence[Sample], positions: NDArray[np.float32], _folds: NDArray[np.int32] | None = None
+    ) -> None:
+        """Fills (F, N, 3) after Turgor Spine, object space."""
+        for sample, row in zip(samples, positions, strict=True):
+            row[:] = sample.positions

@@ -130,23 +130,21 @@ class VolumeFrames:
         """(1, N, 3) with all joints bent; worked out once per engine."""
         if self._last_test is None or self._last_test[0] is not engine:
             bones = self._bound.bones
-            joints = self.joint_bones
-            poses = range_of_motion.poses(bones.parents.tolist(), bones.rest_matrices, joints, 1)[:1]
+            poses = range_of_motion.all_bent(bones.parents.tolist(), bones.rest_matrices, self.joint_bones)
             self._last_test = engine, engine.deform_many(poses, object_from_armature=self._bound.placement)
         return self._last_test[1]
 
-    def positions(self, samples: Sequence[Sample], folds: NDArray[np.int32]) -> NDArray[np.float32]:
-        """(F, N, 3) after Turgor Volume, object space. Safe on a worker thread.
+    def compute(self, samples: Sequence[Sample], positions: NDArray[np.float32], folds: NDArray[np.int32]) -> None:
+        """Fills (F, N, 3) after Turgor Volume, object space, and (F, 3) as `VolumeSkin.deform_many` counts folds.
 
-        folds: (F, 3) to be filled, as by `VolumeSkin.deform_many`.
+        Safe on a worker thread.
         """
-        parts, done = [], 0
+        done = 0
         for (_, is_fleshed), group in groupby(samples, key=_kind):
             of_group = list(group)
-            counts = folds[done : done + len(of_group)]
-            parts.append(_one_by_one(of_group, counts) if is_fleshed else _many(of_group, counts))
+            rows = slice(done, done + len(of_group))
+            (_one_by_one if is_fleshed else _many)(of_group, positions[rows], folds[rows])
             done += len(of_group)
-        return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def _flat(value: object) -> Iterator[object]:
@@ -161,10 +159,10 @@ def _kind(sample: Sample) -> tuple[int, bool]:
     return id(sample.request.engine), "added_offsets" in sample.request.options
 
 
-def _many(samples: Sequence[Sample], folds: NDArray[np.int32]) -> NDArray[np.float32]:
+def _many(samples: Sequence[Sample], positions: NDArray[np.float32], folds: NDArray[np.int32]) -> None:
     options = [sample.request.options for sample in samples]
     shapes = [part["shape_values"] for part in options if "shape_values" in part]
-    return samples[0].request.engine.deform_many(
+    samples[0].request.engine.deform_many(
         np.stack([sample.request.pose_matrices for sample in samples]),
         object_from_armature=np.stack([part["object_from_armature"] for part in options]),
         shape_values=np.stack(shapes) if shapes else None,
@@ -172,13 +170,12 @@ def _many(samples: Sequence[Sample], folds: NDArray[np.int32]) -> NDArray[np.flo
         effect=[sample.effect for sample in samples],
         repair_folds="repair_folds" in options[0],
         fold_counts=folds,
+        positions=positions,
     )
 
 
-def _one_by_one(samples: Sequence[Sample], folds: NDArray[np.int32]) -> NDArray[np.float32]:
-    made = []
-    for sample, counts in zip(samples, folds, strict=True):
+def _one_by_one(samples: Sequence[Sample], positions: NDArray[np.float32], folds: NDArray[np.int32]) -> None:
+    for sample, row, counts in zip(samples, positions, folds, strict=True):
         found = sample.request.engine.deform(sample.request.pose_matrices, **sample.request.options)
         counts[:] = found.report.folds_found, found.report.folds_left, len(found.report.blocked_vertices)
-        made.append((found.skinned + sample.effect * found.offsets.astype(np.float64)).astype(np.float32))
-    return np.stack(made)
+        row[:] = found.skinned + sample.effect * found.offsets.astype(np.float64)

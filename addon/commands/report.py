@@ -77,9 +77,7 @@ def _spine(ob: bpy.types.Object, frames: np.ndarray) -> dict[str, Any]:
         raise CommandError(str(error)) from error
     mesh = turgor.Mesh(source.rest.positions, source.rest.face_offsets, source.rest.face_corners)
     rest = float(np.abs(mesh.component_volumes(source.rest.positions)).sum())
-    found = [
-        float(np.abs(mesh.component_volumes(source.positions([sample])[0])).sum()) for sample in source.samples(frames)
-    ]
+    found = [float(np.abs(mesh.component_volumes(sample.positions)).sum()) for sample in source.samples(frames)]
     deviations = 100.0 * (np.array(found) / rest - 1.0) if rest else np.zeros(len(found))
     return _entry(ob.name, "SPINE", rest, frames, deviations, None)
 

@@ -26,11 +26,17 @@ class ChunkStore:
 
     def __init__(self, folder: Path, kind: str = "") -> None:
         self._folder, self._kind = folder, kind
+        self._paths: dict[int, Path] = {}
+        self._names = {path.name.partition("-")[0] for path in folder.glob("*.npy")}
         self.found_count = 0
 
     def beside(self, kind: str) -> ChunkStore:
         """Chunks of another kind in the same folder; cleared with these."""
         return ChunkStore(self._folder, f"{kind}_")
+
+    def may_have(self, number: int) -> bool:
+        """Whether a chunk of that number was there at the beginning, whatever it was computed from."""
+        return f"{self._kind}{number:06d}" in self._names
 
     def find(self, number: int, fingerprint: str, shape: tuple[int, ...]) -> NDArray[np.float32] | None:
         """The chunk as it was put, float32 of this shape, mapped from its file; None where it has to be computed."""
@@ -45,20 +51,29 @@ class ChunkStore:
         if chunk.shape != shape or chunk.dtype != np.float32 or checksum != _checksum(chunk):
             return None
         self.found_count += 1
+        self._paths[number] = path
         return chunk
 
-    def put(self, number: int, fingerprint: str, chunk: NDArray[np.float32]) -> NDArray[np.float32]:
-        """The chunk to go on with, mapped from its file where there is one. Raises whole_file.WriteError."""
+    def put(self, number: int, fingerprint: str, chunk: NDArray[np.float32]) -> None:
+        """Raises whole_file.WriteError."""
         path = self._path(number, fingerprint)
         with written(path, is_kept=False) as file:
             np.lib.format.write_array_header_1_0(file, np.lib.format.header_data_from_array_1_0(chunk))
             file.write(chunk.data)
             file.write(_checksum(chunk))
-        for older in self._folder.glob(f"{path.name.partition('-')[0]}-*"):
-            if older != path and not older.name.endswith(UNFINISHED):
-                with suppress(OSError):
-                    older.unlink()
-        return np.load(path, mmap_mode="r", allow_pickle=False)
+        if self.may_have(number):
+            for older in self._folder.glob(f"{path.name.partition('-')[0]}-*"):
+                if older != path and not older.name.endswith(UNFINISHED):
+                    with suppress(OSError):
+                        older.unlink()
+        self._paths[number] = path
+
+    def read(self, number: int, _shape: tuple[int, ...]) -> NDArray[np.float32]:
+        """A chunk that was found or put, mapped from its file. Raises OSError, ValueError."""
+        return np.load(self._paths[number], mmap_mode="r", allow_pickle=False)
+
+    def close(self) -> None:
+        """What is there waits for another try."""
 
     def clear(self) -> None:
         """Remove all chunks; those still mapped live on until they are let go, where the system allows it."""

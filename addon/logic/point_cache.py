@@ -7,9 +7,8 @@ from sample to sample, int32 samples; then float32 x, y, z of every point, sampl
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterable
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,22 +32,20 @@ class Header(NamedTuple):
     step: float  # frames from sample to sample
     sample_count: int
 
+    def packed(self) -> bytes:
+        """The beginning of a file. Raises PointCacheError."""
+        points, first, step, count = self
+        if not 0 < points <= _MOST or not 0 < count <= _MOST:
+            raise PointCacheError(f"A cache of {count} samples of {points} points holds nothing")
+        return _HEADER.pack(MAGIC, VERSION, points, first, step, count)
 
-def write(file: BinaryIO, header: Header, samples: Iterable[NDArray[np.float32]]) -> int:
-    """`samples`: arrays (S, N, 3) whose S sum to the header's. The bytes written. Raises PointCacheError."""
-    if not 0 < header.point_count <= _MOST or not 0 < header.sample_count <= _MOST:
-        raise PointCacheError(f"A cache of {header.sample_count} samples of {header.point_count} points holds nothing")
-    points, first, step, count = header
-    file.write(_HEADER.pack(MAGIC, VERSION, points, first, step, count))
-    written = 0
-    for part in samples:
-        if part.ndim != 3 or part.shape[1:] != (points, 3):
-            raise PointCacheError(f"Samples are {part.shape}, need (S, {points}, 3)")
-        file.write(np.ascontiguousarray(part, "<f4").data)
-        written += len(part)
-    if written != count:
-        raise PointCacheError(f"{written} samples were given, the header says {count}: no sample may be missing")
-    return _HEADER.size + written * points * _POINT_BYTES
+    def place(self, sample: int) -> int:
+        """Bytes before a sample; before one past the last: of the file."""
+        return _HEADER.size + sample * self.point_count * _POINT_BYTES
+
+    def mapped(self, path: Path, first: int, count: int) -> NDArray[np.float32]:
+        """(S, N, 3) so many samples from `first` on, not loaded. Raises OSError, ValueError if they are missing."""
+        return np.memmap(path, "<f4", "r", self.place(first), (count, self.point_count, 3))
 
 
 def read(path: Path) -> tuple[Header, NDArray[np.float32]]:
@@ -61,8 +58,7 @@ def read(path: Path) -> tuple[Header, NDArray[np.float32]]:
     _, version, points, first, step, count = _HEADER.unpack(start)
     if version != VERSION:
         raise PointCacheError(f"{path.name} has version {version}, need {VERSION}")
-    needed = _HEADER.size + points * count * _POINT_BYTES
-    if points < 1 or count < 1 or size < needed:
-        raise PointCacheError(f"{path.name} is cut off: {size} bytes, its header needs {needed}")
-    samples = np.memmap(path, "<f4", "r", _HEADER.size, (count, points, 3))
-    return Header(points, first, step, count), samples
+    header = Header(points, first, step, count)
+    if points < 1 or count < 1 or size < header.place(count):
+        raise PointCacheError(f"{path.name} is cut off: {size} bytes, its header needs {header.place(count)}")
+    return header, header.mapped(path, 0, count)

@@ -32,6 +32,13 @@ def poses(
     return found.astype(np.float32)
 
 
+def all_bent(parents: Sequence[int], rest_matrices: NDArray[np.float64], joints: Sequence[int]) -> NDArray[np.float32]:
+    """(1, B, 4, 4) the first of `poses` in one group."""
+    found = np.empty((1, len(parents), 4, 4))
+    _pose(found[0], parents, rest_matrices, set(joints), AXES[0], ANGLE)
+    return found.astype(np.float32)
+
+
 def _pose(
     into: NDArray[np.float64],
     parents: Sequence[int],

@@ -25,7 +25,7 @@ def written(path: Path, *, is_kept: bool = True) -> Iterator[BinaryIO]:
     Raises WriteError. What a killed process leaves ends in `UNFINISHED` and its process id.
     """
     partial = path.with_name(f"{path.name}.{os.getpid()}{UNFINISHED}")
-    try:
+    with explained(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             with partial.open("wb") as file:
@@ -37,6 +37,13 @@ def written(path: Path, *, is_kept: bool = True) -> Iterator[BinaryIO]:
         finally:
             with suppress(OSError):
                 partial.unlink(missing_ok=True)
+
+
+@contextmanager
+def explained(path: Path) -> Iterator[None]:
+    """What the system says against writing `path` becomes a WriteError."""
+    try:
+        yield
     except WriteError:
         raise
     except OSError as error:

@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+IDENTITY = np.eye(4)
 NO_INVERSE = "Object is scaled to zero: give it a scale other than 0 on every axis"
 
 
@@ -23,7 +24,7 @@ def object_from_armature(target: bpy.types.Object, rig: bpy.types.Object) -> NDA
     world_from_object, world_from_armature = target.matrix_world, rig.matrix_world
     # Most meshes stand where their armature stands.
     if world_from_object == world_from_armature and 0.0 < abs(world_from_object.determinant()) < inf:
-        return np.eye(4)
+        return IDENTITY.copy()
     try:
         return np.linalg.solve(np.array(world_from_object, np.float64), np.array(world_from_armature, np.float64))
     except np.linalg.LinAlgError:

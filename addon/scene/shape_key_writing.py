@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 
 import bpy
 import numpy as np
@@ -20,17 +21,30 @@ def add_key(ob: bpy.types.Object, name: str, positions: NDArray[np.floating], lo
 
     positions: (N, 3). low, high: limits of its value.
     """
+    with adding_keys(ob) as add:
+        return add(name, positions, low, high)
+
+
+@contextmanager
+def adding_keys(ob: bpy.types.Object) -> Iterator[Callable[[str, NDArray[np.floating], float, float], str]]:
+    """Many keys, as by `add_key`: within it the mesh lies as the last of them."""
     if ob.data.shape_keys is None:
         ob.shape_key_add(name=BASIS, from_mix=False)
-    # A new key takes the mesh as it lies: many times faster than to write its points.
     lying = rest.read_positions(ob.data)
-    rest.write_positions(ob.data, positions)
-    key = ob.shape_key_add(name=name, from_mix=False)
-    rest.write_positions(ob.data, lying)
-    key.slider_min, key.slider_max = max(low, -RANGE), min(high, RANGE)
-    # Blender 5 adds them at 1.
-    key.value, key.mute = 0.0, False
-    return key.name
+
+    def add(name: str, positions: NDArray[np.floating], low: float, high: float) -> str:
+        # A new key takes the mesh as it lies: many times faster than to write its points.
+        rest.write_positions(ob.data, positions)
+        key = ob.shape_key_add(name=name, from_mix=False)
+        key.slider_min, key.slider_max = max(low, -RANGE), min(high, RANGE)
+        # Blender 5 adds them at 1.
+        key.value, key.mute = 0.0, False
+        return key.name
+
+    try:
+        yield add
+    finally:
+        rest.write_positions(ob.data, lying)
 
 
 def key_values(keys: bpy.types.Key, columns: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]]) -> None:

@@ -227,7 +227,7 @@ from pathlib import Path
 ob = bpy.data.objects["Tube"]
 made = job.Job(ob, options.Options("POINT_CACHE", frames, folder=Path({folder!r}), name="Baked"))
 for progress in made.run():
-    if {is_killed} and any(Path({folder!r}).rglob("*.npy")):
+    if {is_killed} and any(len(path.read_text().splitlines()) > 1 for path in Path({folder!r}).rglob("*.journal")):
         os.kill(os.getpid(), signal.SIGKILL)
 print("resumed", made.report.resumed_chunks, flush=True)
 addon.unregister()

@@ -50,6 +50,23 @@ def test_arrays_are_per_frame_or_the_same_for_all(seed: int):
         assert np.array_equal(found[frame], alone[0])
 
 
+def test_an_array_of_the_caller_is_filled_and_handed_back():
+    rig = limb()
+    body = rig.body()
+    poses = np.array([rig.random_pose(np.random.default_rng(3), 0.7) for _ in range(COUNT)])
+    room = np.full((COUNT + 2, body.mesh.vertex_count, 3), np.nan, np.float32)
+    own = room[1:-1]
+    assert body.deform_many(poses, positions=own) is own
+    assert np.array_equal(own, body.deform_many(poses))
+    assert np.isnan(room[0]).all()
+    assert np.isnan(room[-1]).all()
+    read_only = own.copy()
+    read_only.flags.writeable = False
+    for wrong in (own[1:], own.astype(np.float64), room[::2][: len(own)], own[..., :2], [1.0], read_only):
+        with pytest.raises(turgor.TurgorError, match="positions"):
+            body.deform_many(poses, positions=wrong)
+
+
 def test_bad_input_is_refused_by_name():
     rig = limb()
     body = rig.body()

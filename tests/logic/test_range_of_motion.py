@@ -77,3 +77,9 @@ def test_followers_of_two_turning_joints_follow_both():
 @pytest.mark.parametrize("group_count", [None, 0, 1, 99])
 def test_without_joints_there_are_no_poses(group_count):
     assert range_of_motion.poses(PARENTS, _rest(), [], group_count).shape == (0, 5, 4, 4)
+
+
+def test_all_joints_bent_is_the_first_pose_in_one_group():
+    rest = _rest()
+    found = range_of_motion.all_bent(PARENTS, rest, [1, 3, 4])
+    assert np.array_equal(found, range_of_motion.poses(PARENTS, rest, [1, 3, 4], 1)[:1])

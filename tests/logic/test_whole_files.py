@@ -1,16 +1,14 @@
-"""Files are whole or not there; point caches and chunks go round and notice what is wrong."""
+"""Files are whole or not there; chunks go round and notice what is wrong."""
 
 from __future__ import annotations
 
 import errno
 import os
-import struct
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from addon.logic import point_cache
 from addon.logic.chunk_store import ChunkStore
 from addon.logic.whole_file import WriteError, check_folder, written
 
@@ -75,42 +73,15 @@ def test_a_folder_that_cannot_be_written_is_refused_before_any_work(tmp_path: Pa
     assert not _names(tmp_path / "new")
 
 
-def _write(path: Path, parts: list[np.ndarray], count: int = len(SAMPLES)) -> int:
-    with written(path) as file:
-        return point_cache.write(file, point_cache.Header(5, 3.5, 0.25, count), parts)
-
-
-def test_point_caches_go_round_whatever_the_chunks(tmp_path: Path):
-    sizes = [_write(tmp_path / "one.pc2", [SAMPLES]), _write(tmp_path / "many.pc2", [SAMPLES[:3], SAMPLES[3:]])]
-    assert (tmp_path / "one.pc2").read_bytes() == (tmp_path / "many.pc2").read_bytes()
-    assert sizes == [(tmp_path / "one.pc2").stat().st_size] * 2
-    header, samples = point_cache.read(tmp_path / "one.pc2")
-    assert header == point_cache.Header(5, 3.5, 0.25, 7)
-    assert np.array_equal(samples, SAMPLES)
-    assert struct.unpack_from("<12sii", (tmp_path / "one.pc2").read_bytes()) == (b"POINTCACHE2\0", 1, 5)
-
-
-@pytest.mark.parametrize("parts", [[SAMPLES[:6]], [SAMPLES, SAMPLES], [SAMPLES[:, :4]]], ids=["few", "many", "narrow"])
-def test_a_cache_with_a_missing_frame_is_not_written(tmp_path: Path, parts: list[np.ndarray]):
-    with pytest.raises(point_cache.PointCacheError):
-        _write(tmp_path / "cache.pc2", parts)
-    assert not _names(tmp_path)
-
-
-def test_a_cut_cache_is_refused(tmp_path: Path):
-    _write(tmp_path / "cache.pc2", [SAMPLES])
-    whole = (tmp_path / "cache.pc2").read_bytes()
-    for size in (0, 20, 32, len(whole) - 1):
-        (tmp_path / "cut.pc2").write_bytes(whole[:size])
-        with pytest.raises(point_cache.PointCacheError):
-            point_cache.read(tmp_path / "cut.pc2")
-
-
 def test_chunks_are_found_by_what_they_were_made_from(tmp_path: Path):
     store = ChunkStore(tmp_path / "chunks")
     assert store.find(0, "aa", SAMPLES.shape) is None
-    assert np.array_equal(store.put(0, "aa", SAMPLES), SAMPLES)
+    assert not store.may_have(0)
+    store.put(0, "aa", SAMPLES)
+    assert np.array_equal(store.read(0, SAMPLES.shape), SAMPLES)
     again = ChunkStore(tmp_path / "chunks")
+    assert again.may_have(0)
+    assert not again.may_have(1)
     found = again.find(0, "aa", SAMPLES.shape)
     assert found is not None
     assert np.array_equal(found, SAMPLES)

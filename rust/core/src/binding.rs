@@ -26,6 +26,8 @@ pub(crate) struct Binding {
     /// Per vertex; `NO_SLOT` for one of no sound component.
     pub slot_of_vertex: Vec<u32>,
     pub component_of_vertex: Vec<u32>,
+    /// All vertices, in order of their slots.
+    pub vertices_by_slot: Vec<u32>,
     pub sites: Sites,
     pub rest_centre: DVec3,
     /// Per shape key, displacement per site.
@@ -81,9 +83,13 @@ impl Binding {
         let anatomy = Anatomy { topology, patches: &patches, sites: &sites, joints: &face_joints, tree: &tree, heads: &heads };
         let plan = LossPlan::new(&anatomy, skinning.mode, has_shapes);
         let (area_unit, inverse_areas) = inverse_areas(topology, &patches, &points);
+        let slot_of_vertex: Vec<u32> = topology.point_of_vertex.iter().map(|&point| patches.slot_of_point[point as usize]).collect();
+        let mut vertices_by_slot: Vec<u32> = (0..slot_of_vertex.len() as u32).collect();
+        vertices_by_slot.sort_by_key(|&vertex| slot_of_vertex[vertex as usize]);
         Self {
             components: topology.components.clone(),
-            slot_of_vertex: topology.point_of_vertex.iter().map(|&point| patches.slot_of_point[point as usize]).collect(),
+            slot_of_vertex,
+            vertices_by_slot,
             component_of_vertex: topology.point_of_vertex.iter().map(|&point| topology.component_of_point[point as usize]).collect(),
             masses: masses(&influences, &centred, tree.len()),
             size: in_armature.iter().map(|p| p.distance(armature_from_rest.translation)).fold(0.0, f64::max),
@@ -160,6 +166,7 @@ impl Binding {
         self.patches.memory_bytes()
             + size_of_val(&*self.slot_of_vertex)
             + size_of_val(&*self.component_of_vertex)
+            + size_of_val(&*self.vertices_by_slot)
             + self.sites.memory_bytes()
             + self.shape_deltas.iter().map(|d| size_of_val(&**d)).sum::<usize>()
             + self.plan.memory_bytes()

@@ -41,6 +41,7 @@ mod volume_loss;
 mod volume_skin;
 mod weights;
 mod weld;
+mod workspaces;
 
 pub use error::{Error, Result};
 pub use frame::{JointField, Pose, RefinementNeed, Workspace};
@@ -58,3 +59,4 @@ pub use topology::{Component, Status, Topology};
 pub use volume::VolumeCubic;
 pub use volume_skin::{Options, Solver, VolumeSkin};
 pub use weights::{Bones, Plane, Surface, Symmetry, WeightRows, WeightSettings, Weights, automatic_weights};
+pub use workspaces::Workspaces;

@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::frame::{Details, Needs, Pose, RefinementNeed, Workspace};
 use crate::report::{FoldCounts, Report};
 use crate::volume_skin::VolumeSkin;
+use crate::workspaces::Workspaces;
 
 /// Memory that the frames under way at one time may take.
 const MEMORY_MAX: usize = 1 << 30;
@@ -17,9 +18,11 @@ impl VolumeSkin {
     ///
     /// # Errors
     /// As `deform`, of the first pose that is refused.
-    pub fn measure(&self, poses: &[Pose]) -> Result<Vec<Report>> {
-        let deform = |pose: &Pose, workspace: &mut Workspace, offsets: &mut [[f32; 3]]| self.deform(pose, workspace, offsets).map(drop);
-        self.side_by_side(poses, deform, |_, workspace, _| workspace.report.clone())
+    pub fn measure(&self, poses: &[Pose], workspaces: &Workspaces) -> Result<Vec<Report>> {
+        self.side_by_side(poses.len(), workspaces, |frame, workspace, offsets| {
+            offsets.resize(self.vertex_count(), [0.0; 3]);
+            self.deform(&poses[frame], workspace, offsets).cloned()
+        })
     }
 
     /// Writes what each pose makes of every vertex to `positions`, frame after frame, object space: skinned, and `effects`
@@ -27,7 +30,13 @@ impl VolumeSkin {
     ///
     /// # Errors
     /// As `deform`, of the first pose that is refused; `effects` or `positions` of another length.
-    pub fn deform_many(&self, poses: &[Pose], effects: &[f64], positions: &mut [[f32; 3]]) -> Result<Vec<FoldCounts>> {
+    pub fn deform_many(
+        &self,
+        poses: &[Pose],
+        effects: &[f64],
+        positions: &mut [[f32; 3]],
+        workspaces: &Workspaces,
+    ) -> Result<Vec<FoldCounts>> {
         let (frames, vertices) = (poses.len(), self.vertex_count());
         if effects.len() != frames {
             return Err(Error::Length { what: "effect", found: effects.len(), needed: frames });
@@ -40,65 +49,69 @@ impl VolumeSkin {
         }
         // Empty meshes have frames too.
         let rows: Vec<Mutex<&mut [[f32; 3]]>> = positions.chunks_mut(vertices.max(1)).map(Mutex::new).collect();
-        let write = |frame: usize, workspace: &Workspace, offsets: &[[f32; 3]]| {
-            if let Some(row) = rows.get(frame) {
-                let mut row = row.lock().unwrap_or_else(PoisonError::into_inner);
-                self.write_positions(workspace, offsets, effects[frame], &mut row);
-            }
-            workspace.report.fold_counts()
-        };
-        let deform = |pose: &Pose, workspace: &mut Workspace, offsets: &mut [[f32; 3]]| self.deform(pose, workspace, offsets).map(drop);
-        self.side_by_side(poses, deform, write)
+        self.side_by_side(frames, workspaces, |frame, workspace, _| {
+            let mut row = rows.get(frame).map(|row| row.lock().unwrap_or_else(PoisonError::into_inner));
+            let row = row.as_deref_mut().map_or(&mut [][..], |row| row);
+            self.deform_to_positions(&poses[frame], effects[frame], workspace, row)?;
+            Ok(workspace.report.fold_counts())
+        })
     }
 
     /// Where all of these poses together ask for more vertices; their order does not matter.
     ///
     /// # Errors
     /// As `deform`, of the first pose that is refused.
-    pub fn refinement_need(&self, poses: &[Pose]) -> Result<RefinementNeed> {
+    pub fn refinement_need(&self, poses: &[Pose], workspaces: &Workspaces) -> Result<RefinementNeed> {
         let details = Details::new(self.joints());
         let needs = Mutex::new(Needs::new(self.binding()));
-        let skin = |pose: &Pose, workspace: &mut Workspace, _: &mut [[f32; 3]]| self.skin_pose(pose, workspace);
-        self.side_by_side(poses, skin, |_, workspace, _| {
+        self.side_by_side(poses.len(), workspaces, |frame, workspace, _| {
+            self.skin_pose(&poses[frame], workspace)?;
             let mut own = Needs::new(self.binding());
             self.add_needs(workspace, &details, &mut own);
             needs.lock().unwrap_or_else(PoisonError::into_inner).join(&own);
+            Ok(())
         })?;
         let needs = needs.into_inner().unwrap_or_else(PoisonError::into_inner);
         Ok(needs.of_vertices(self.binding()))
     }
 
-    /// What `finish` makes of each frame that `work` has done: its place among the poses, and its offsets.
+    /// What `work` makes of each of so many frames, in a workspace and an empty buffer that it shares with others.
     fn side_by_side<T: Send + Sync>(
         &self,
-        poses: &[Pose],
-        work: impl Fn(&Pose, &mut Workspace, &mut [[f32; 3]]) -> Result<()> + Sync,
-        finish: impl Fn(usize, &Workspace, &[[f32; 3]]) -> T + Sync,
+        frame_count: usize,
+        workspaces: &Workspaces,
+        work: impl Fn(usize, &mut Workspace, &mut Vec<[f32; 3]>) -> Result<T> + Sync,
     ) -> Result<Vec<T>> {
-        let first = self.workspace();
+        let first = workspaces.take(self);
         let at_once = (MEMORY_MAX / first.memory_bytes().max(1)).max(1);
         let spare = Mutex::new(Some(first));
         let (next, begun, is_refused) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicBool::new(false));
-        let results: Vec<OnceLock<Result<T>>> = poses.iter().map(|_| OnceLock::new()).collect();
+        let results: Vec<OnceLock<Result<T>>> = (0..frame_count).map(|_| OnceLock::new()).collect();
         // Each thread has a workspace of its own.
         let compute = |_: usize| {
             let mut buffers = None;
             let is_wanted = begun.fetch_add(1, Ordering::Relaxed) < at_once;
             while is_wanted && !is_refused.load(Ordering::Relaxed) {
                 let frame = next.fetch_add(1, Ordering::Relaxed);
-                let Some(pose) = poses.get(frame) else { break };
+                let Some(result) = results.get(frame) else { break };
                 let (workspace, offsets) = buffers.get_or_insert_with(|| {
                     let spare = spare.lock().unwrap_or_else(PoisonError::into_inner).take();
-                    (spare.unwrap_or_else(|| self.workspace()), vec![[0.0; 3]; self.vertex_count()])
+                    (spare.unwrap_or_else(|| workspaces.take(self)), Vec::new())
                 });
-                let outcome = work(pose, workspace, offsets);
+                let outcome = work(frame, workspace, offsets);
                 is_refused.fetch_or(outcome.is_err(), Ordering::Relaxed);
-                results[frame].get_or_init(|| outcome.map(|()| finish(frame, workspace, offsets)));
+                result.get_or_init(|| outcome);
+            }
+            if let Some((workspace, _)) = buffers {
+                workspaces.give_back(workspace);
             }
         };
-        crew::with_helpers(at_once.min(poses.len()).saturating_sub(1), || crew::share(&compute));
+        crew::with_helpers(at_once.min(frame_count).saturating_sub(1), || crew::share(&compute));
+        if let Some(unused) = spare.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            workspaces.give_back(unused);
+        }
         // Frames are begun in order: those before the first refused one are all there.
-        let mut finished = Vec::with_capacity(poses.len());
+        let mut finished = Vec::with_capacity(frame_count);
         for (frame, result) in results.into_iter().enumerate() {
             match result.into_inner() {
                 Some(Ok(value)) => finished.push(value),

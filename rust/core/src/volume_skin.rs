@@ -161,8 +161,19 @@ impl VolumeSkin {
         }
         self.with_helpers(|| {
             workspace.take(&self.binding, pose, self.options.keep_bone_scale)?;
-            self.correct(pose, workspace, offsets);
+            self.correct(pose, workspace);
+            workspace.write_offsets(&self.binding, offsets);
             Ok(&workspace.report)
+        })
+    }
+
+    /// The same, but for the largest displacement: writes skinned positions and `part` of the way to corrected.
+    pub(crate) fn deform_to_positions(&self, pose: &Pose, part: f64, workspace: &mut Workspace, positions: &mut [[f32; 3]]) -> Result<()> {
+        self.with_helpers(|| {
+            workspace.take(&self.binding, pose, self.options.keep_bone_scale)?;
+            self.correct(pose, workspace);
+            workspace.write_positions(&self.binding, part, positions);
+            Ok(())
         })
     }
 
@@ -206,7 +217,7 @@ impl VolumeSkin {
         workspace.measure(&self.binding, &self.supports, &self.joints, pose);
     }
 
-    fn correct(&self, pose: &Pose, workspace: &mut Workspace, offsets: &mut [[f32; 3]]) {
+    fn correct(&self, pose: &Pose, workspace: &mut Workspace) {
         let (binding, supports, settings) = (&*self.binding, &*self.supports, &**self.joints);
         self.skin(pose, workspace);
         workspace.give_back(binding, supports, settings);
@@ -215,13 +226,7 @@ impl VolumeSkin {
         }
         workspace.remove_residual(binding, supports, settings);
         workspace.repair_folds(binding, supports, settings, pose.repair_folds);
-        workspace.write_offsets(binding, offsets);
         workspace.fill_report(binding);
-    }
-
-    /// After `deform`: skinned positions and a part of `offsets`, object space.
-    pub(crate) fn write_positions(&self, workspace: &Workspace, offsets: &[[f32; 3]], part: f64, positions: &mut [[f32; 3]]) {
-        workspace.write_positions(&self.binding, offsets, part, positions);
     }
 
     /// Skinned and corrected positions of every vertex, object space, after `deform`.

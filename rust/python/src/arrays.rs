@@ -1,7 +1,7 @@
 //! numpy arrays in and out, with messages of our own: the default ones name neither shape nor dtype.
 
 use glam::{DMat4, DVec3};
-use numpy::ndarray::{Array1, Array2, Array3};
+use numpy::ndarray::{Array1, Array2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -169,11 +169,31 @@ pub fn from_table<'py, T: numpy::Element + Copy>(py: Python<'py>, rows: &[&[T]],
     Array2::from_shape_vec((rows.len(), width), rows.concat()).unwrap_or_else(|_| unreachable!("rows of one width")).into_pyarray(py)
 }
 
-/// (F, N, 3), without a copy.
-pub fn from_frames(py: Python<'_>, rows: Vec<[f32; 3]>, frames: usize, vertices: usize) -> Bound<'_, PyArray3<f32>> {
-    let shape = (frames, vertices, 3);
-    // There are so many by construction.
-    Array3::from_shape_vec(shape, rows.into_flattened()).unwrap_or_else(|_| unreachable!("frames of one length")).into_pyarray(py)
+/// (F, N, 3), to be written by `with_frames_mut`: that of the caller, or a new one. shape: F, N.
+pub fn frames<'py>(
+    py: Python<'py>,
+    own: Option<&Bound<'py, PyAny>>,
+    what: &str,
+    shape: (usize, usize),
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let Some(own) = own else { return Ok(PyArray3::zeros(py, [shape.0, shape.1, 3], false)) };
+    let needed = format!("{what}: need a writable C-contiguous float32 array {:?}", (shape.0, shape.1, 3));
+    let array = own.cast::<PyArray3<f32>>().map_err(|_| TurgorError::new_err(format!("{needed}, got {}", describe(own))))?;
+    if array.shape() != [shape.0, shape.1, 3] || !array.is_c_contiguous() {
+        return Err(TurgorError::new_err(format!("{needed}, got shape {:?}", array.shape())));
+    }
+    Ok(array.clone())
+}
+
+/// Hands the rows of `frames` to `write`, in place.
+pub fn with_frames_mut<T>(
+    frames: &Bound<'_, PyArray3<f32>>,
+    what: &str,
+    write: impl FnOnce(&mut [[f32; 3]]) -> PyResult<T>,
+) -> PyResult<T> {
+    let mut view = frames.try_readwrite().map_err(|error| TurgorError::new_err(format!("{what}: need a writable array: {error}")))?;
+    let (rows, _) = view.as_slice_mut()?.as_chunks_mut::<3>();
+    write(rows)
 }
 
 pub fn from_numbers<'py, T: numpy::Element + Copy>(py: Python<'py>, numbers: &[T]) -> Bound<'py, PyArray1<T>> {

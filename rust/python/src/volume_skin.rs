@@ -1,11 +1,11 @@
 //! `turgor.VolumeSkin`.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use glam::DVec3;
 use numpy::{PyArray1, PyArray3};
 use pyo3::prelude::*;
-use turgor::{Options, Solver, Workspace};
+use turgor::{Options, Solver, Workspace, Workspaces};
 
 use crate::joint::{Joint, JointField, bone_index};
 use crate::mesh::Mesh;
@@ -20,7 +20,7 @@ pub struct VolumeSkin {
     inner: turgor::VolumeSkin,
     mesh: Arc<turgor::Mesh>,
     /// Buffers of calls that have ended, for the next ones; a mask does not change them.
-    workspaces: Arc<Mutex<Vec<Workspace>>>,
+    workspaces: Arc<Workspaces>,
 }
 
 fn solver(name: &str) -> PyResult<Solver> {
@@ -43,11 +43,9 @@ impl VolumeSkin {
     /// Computes something in a workspace, without the interpreter.
     fn in_workspace<T: Send>(&self, py: Python<'_>, compute: impl FnOnce(&mut Workspace) -> turgor::Result<T> + Send) -> PyResult<T> {
         py.detach(|| {
-            let lock = || self.workspaces.lock().unwrap_or_else(PoisonError::into_inner);
-            let spare = lock().pop();
-            let mut workspace = spare.unwrap_or_else(|| self.inner.workspace());
+            let mut workspace = self.workspaces.take(&self.inner);
             let result = compute(&mut workspace);
-            lock().push(workspace);
+            self.workspaces.give_back(workspace);
             result.map_err(refused)
         })
     }
@@ -276,7 +274,7 @@ impl VolumeSkin {
         target_scale: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Measures> {
         let poses = PosesData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale)?;
-        let reports = py.detach(|| self.inner.measure(&poses.poses())).map_err(refused)?;
+        let reports = py.detach(|| self.inner.measure(&poses.poses(), &self.workspaces)).map_err(refused)?;
         let component_count = self.mesh.topology().components.len();
         Ok(Measures { reports, component_count, joint_count: self.inner.joint_bones().len() })
     }
@@ -304,13 +302,13 @@ impl VolumeSkin {
             pose.added_offsets = added_offsets.as_deref();
             pose.is_fleshed = fleshed.as_deref();
         }
-        let inner = py.detach(|| self.inner.refinement_need(&poses)).map_err(refused)?;
+        let inner = py.detach(|| self.inner.refinement_need(&poses, &self.workspaces)).map_err(refused)?;
         Ok(RefinementNeed { inner })
     }
 
     #[pyo3(
-        signature = (pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=None, effect=None, repair_folds=false, fold_counts=None),
-        text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, effect=1.0, repair_folds=False, fold_counts=None)"
+        signature = (pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=None, effect=None, repair_folds=false, fold_counts=None, positions=None),
+        text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, effect=1.0, repair_folds=False, fold_counts=None, positions=None)"
     )]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn deform_many<'py>(
@@ -324,6 +322,7 @@ impl VolumeSkin {
         effect: Option<&Bound<'_, PyAny>>,
         repair_folds: bool,
         fold_counts: Option<&Bound<'_, PyAny>>,
+        positions: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray3<f32>>> {
         let data = PosesData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale)?;
         let mut poses = data.poses();
@@ -332,9 +331,12 @@ impl VolumeSkin {
         }
         let per_frame = PerFrame::numbers(effect, "effect", poses.len())?;
         let effects: Vec<f64> = (0..poses.len()).map(|frame| per_frame.of(frame)[0]).collect();
-        let vertices = self.mesh.rest().len();
-        let mut positions = vec![[0.0; 3]; poses.len() * vertices];
-        let mut write = || py.detach(|| self.inner.deform_many(&poses, &effects, &mut positions)).map_err(refused);
+        let positions = arrays::frames(py, positions, "positions", (poses.len(), self.mesh.rest().len()))?;
+        let write = || {
+            arrays::with_frames_mut(&positions, "positions", |rows| {
+                py.detach(|| self.inner.deform_many(&poses, &effects, rows, &self.workspaces)).map_err(refused)
+            })
+        };
         match fold_counts {
             None => drop(write()?),
             Some(counts) => arrays::with_numbers_mut(counts, "fold_counts", (poses.len(), 3), |rows| {
@@ -344,6 +346,6 @@ impl VolumeSkin {
                 Ok(())
             })?,
         }
-        Ok(arrays::from_frames(py, positions, poses.len(), vertices))
+        Ok(positions)
     }
 }

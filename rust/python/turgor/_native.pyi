@@ -343,12 +343,14 @@ class VolumeSkin:
         effect: float | ArrayLike = 1.0,
         repair_folds: bool = False,
         fold_counts: NDArray[np.int32] | None = None,
+        positions: NDArray[np.float32] | None = None,
     ) -> NDArray[np.float32]:
         """(F, N, 3) positions of many poses, object space, many at once: the same bits as of one by one.
 
         effect: part of the way from skinned to corrected, one number or (F,). repair_folds: as in `deform`, at
         full effect. fold_counts: (F, 3) int32 C-contiguous, to be filled: folds found, folds left, vertices blocked.
-        The others as in `measure`: hand in so many frames at a time as memory allows.
+        positions: float32 C-contiguous, to be filled and returned in place of a new array. The others as in `measure`:
+        hand in so many frames at a time as memory allows.
         """
 
     def refinement_need(

@@ -4,13 +4,14 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x4};
-use glam::{DVec3, Vec3};
 
 use super::Workspace;
 use crate::binding::Binding;
 use crate::fields::Move;
+use crate::lanes::{self, V4};
 use crate::skinning::columns;
 use crate::split::{Equal, for_each_piece};
+use crate::stages::BLOCK;
 
 /// Vertices that are written at a time.
 const CHUNK: usize = 512;
@@ -18,7 +19,7 @@ const CHUNK: usize = 512;
 impl Workspace {
     /// Corrected − skinned of every vertex, object space.
     pub(crate) fn write_offsets(&mut self, binding: &Binding, offsets: &mut [[f32; 3]]) {
-        let to_object = [0, 1, 2].map(|column| columns(&self.object)[column].map(|c| c as f32));
+        let to_object = self.offset_columns();
         let (moves, components) = (&self.moves, &self.components);
         let level = Level::new();
         // Most characters are one shell: nothing to look up then.
@@ -40,27 +41,48 @@ impl Workspace {
         self.report.max_displacement = f64::from(largest_squared).sqrt();
     }
 
-    /// Skinned, and so much of `offsets`, of every vertex.
-    pub(crate) fn write_positions(&self, binding: &Binding, offsets: &[[f32; 3]], part: f64, positions: &mut [[f32; 3]]) {
-        dispatch!(Level::new(), simd => write_all(simd, self, binding, offsets, part, positions));
+    /// Skinned, and `part` of the way to corrected, of every vertex: the same bits as by way of `write_offsets`.
+    pub(crate) fn write_positions(&self, binding: &Binding, part: f64, positions: &mut [[f32; 3]]) {
+        let to_object = self.offset_columns();
+        dispatch!(Level::new(), simd => write_all(simd, self, binding, &to_object, part, positions));
+    }
+
+    fn offset_columns(&self) -> [[f32; 4]; 3] {
+        [0, 1, 2].map(|column| columns(&self.object)[column].map(|c| c as f32))
     }
 }
 
 #[inline(always)]
-fn write_all<S: Simd>(_: S, frame: &Workspace, binding: &Binding, offsets: &[[f32; 3]], part: f64, positions: &mut [[f32; 3]]) {
-    let (object, origin, count) = (frame.object, frame.motions.palette.origin, frame.moves.len());
-    let [near, rest] = [&frame.skinned.near, &frame.skinned.rest].map(|rows| rows.each_ref().map(|row| &row[..count]));
+fn write_all<S: Simd>(simd: S, frame: &Workspace, binding: &Binding, to_object: &[[f32; 4]; 3], part: f64, positions: &mut [[f32; 3]]) {
     // Every point has its own place, as `skinned_vertex` finds it.
     let is_plain = !binding.sites.is_split() && frame.added.is_empty();
-    for (vertex, ((position, offset), &slot)) in positions.iter_mut().zip(offsets).zip(&binding.slot_of_vertex).enumerate() {
-        let slot = slot as usize;
-        let skinned = if is_plain && slot < count {
-            let at = |axis: usize| f64::from(near[axis][slot]) + f64::from(rest[axis][slot]);
-            DVec3::new(at(0), at(1), at(2)) + origin
+    let (object, origin) = (columns(&frame.object), lanes::from(frame.motions.palette.origin));
+    let step_of =
+        |vertex: u32| frame.components.get(binding.component_of_vertex[vertex as usize] as usize).map_or(f64::NAN, |c| c.step) as f32;
+    let corrected = |skinned: V4, slot: usize, vertex: u32| {
+        let offset = offset(simd, frame.moves.get(slot), step_of(vertex), to_object);
+        let [a, b, c, d] = object;
+        let p: V4 = std::array::from_fn(|i| a[i] * skinned[0] + b[i] * skinned[1] + c[i] * skinned[2] + d[i] + part * f64::from(offset[i]));
+        [p[0] as f32, p[1] as f32, p[2] as f32]
+    };
+    let slot_of = |vertex: u32| binding.slot_of_vertex[vertex as usize] as usize;
+    for vertices in binding.vertices_by_slot.chunks(BLOCK) {
+        let (first, last) = (slot_of(vertices[0]), slot_of(vertices[vertices.len() - 1]));
+        let is_row = last < frame.moves.len() && vertices.iter().zip(first..=last).all(|(&vertex, slot)| slot_of(vertex) == slot);
+        if is_plain && is_row && last - first == BLOCK - 1 {
+            let places: [[f64; BLOCK]; 3] = std::array::from_fn(|axis| {
+                let (near, rest) = (&frame.skinned.near[axis][first..=last], &frame.skinned.rest[axis][first..=last]);
+                std::array::from_fn(|i| f64::from(near[i]) + f64::from(rest[i]) + origin[axis])
+            });
+            for (i, &vertex) in vertices.iter().enumerate() {
+                positions[vertex as usize] = corrected([places[0][i], places[1][i], places[2][i], 0.0], first + i, vertex);
+            }
         } else {
-            frame.skinned_vertex(binding, vertex)
-        };
-        *position = (object.transform_point3(skinned) + part * Vec3::from_array(*offset).as_dvec3()).as_vec3().to_array();
+            for &vertex in vertices {
+                let skinned = lanes::from(frame.skinned_vertex(binding, vertex as usize));
+                positions[vertex as usize] = corrected(skinned, slot_of(vertex), vertex);
+            }
+        }
     }
 }
 
@@ -75,20 +97,21 @@ fn write_some<S: Simd>(
     to_object: &[[f32; 4]; 3],
     offsets: &mut [[f32; 3]],
 ) -> f32 {
-    let (x, y) = (f32x4::simd_from(simd, to_object[0]), f32x4::simd_from(simd, to_object[1]));
-    let z = f32x4::simd_from(simd, to_object[2]);
     let mut largest = 0.0;
-    for ((offset, &slot), &component) in offsets.iter_mut().zip(slots).zip(of_vertex) {
-        let point = moves.get(slot as usize).map(|point| (point, step(component))).filter(|(_, step)| !step.is_nan());
-        let Some((Move { by, residual }, step)) = point else {
-            *offset = [0.0; 3];
-            continue;
-        };
-        let u: [f32; 4] = (f32x4::simd_from(simd, *by) + f32x4::simd_from(simd, *residual) * step).into();
-        let u: [f32; 4] = (x * u[0] + y * u[1] + z * u[2]).into();
+    for ((row, &slot), &component) in offsets.iter_mut().zip(slots).zip(of_vertex) {
+        let u = offset(simd, moves.get(slot as usize), step(component), to_object);
         let squared = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
         largest = if squared > largest { squared } else { largest };
-        offset.copy_from_slice(&u[..3]);
+        row.copy_from_slice(&u[..3]);
     }
     largest
+}
+
+/// Corrected − skinned of a point, object space; no point, and a step that is not a number, stay.
+#[inline(always)]
+fn offset<S: Simd>(simd: S, point: Option<&Move>, step: f32, to_object: &[[f32; 4]; 3]) -> [f32; 4] {
+    let Some(Move { by, residual }) = point.filter(|_| !step.is_nan()) else { return [0.0; 4] };
+    let u: [f32; 4] = (f32x4::simd_from(simd, *by) + f32x4::simd_from(simd, *residual) * step).into();
+    let [x, y, z] = to_object.map(|column| f32x4::simd_from(simd, column));
+    (x * u[0] + y * u[1] + z * u[2]).into()
 }

@@ -1,0 +1,35 @@
+//! Buffers of frames that have ended, for the next ones.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use crate::frame::Workspace;
+use crate::volume_skin::VolumeSkin;
+
+/// Memory that buffers may take while nobody uses them; one set is kept whatever its size.
+const IDLE_MAX: usize = 1 << 27;
+
+/// Workspaces of one `VolumeSkin`, or of several that differ by their masks.
+#[derive(Debug, Default)]
+pub struct Workspaces {
+    idle: Mutex<Vec<Workspace>>,
+}
+
+impl Workspaces {
+    /// One that waits, or a new one.
+    pub fn take(&self, skin: &VolumeSkin) -> Workspace {
+        let idle = self.lock().pop();
+        idle.unwrap_or_else(|| skin.workspace())
+    }
+
+    /// For the next frame.
+    pub fn give_back(&self, workspace: Workspace) {
+        let mut idle = self.lock();
+        if (idle.len() + 1) * workspace.memory_bytes() <= IDLE_MAX || idle.is_empty() {
+            idle.push(workspace);
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<Workspace>> {
+        self.idle.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
