@@ -27,6 +27,8 @@ from .sampling import Sample
 
 # After a setting was changed.
 SECONDS_TO_REST = 0.3
+# Of looking at a mesh again that has more vertices to see folds with; two or three are usual.
+MOST_ROUNDS = 8
 
 
 class RefineError(ValueError):
@@ -47,6 +49,15 @@ class Found(NamedTuple):
             self.regions.clear()
             self.regions[options] = Region(self.need, options)
         return self.regions[options]
+
+
+class Made(NamedTuple):
+    """What became of a mesh."""
+
+    face_count: int  # of those before, split into quads all over
+    all_face_count: int  # before
+    vertex_count: int  # afterwards
+    short_count: int  # faces afterwards that ask for more levels than they may have
 
 
 def find(target: bpy.types.Object, tell: Callable[[int], None] = lambda done: None) -> Found:
@@ -114,8 +125,10 @@ def refresh(target: bpy.types.Object) -> None:
                 area.tag_redraw()
 
 
-def refine(target: bpy.types.Object, options: Options, tell: Callable[[int], None] = lambda done: None) -> Refinement:
+def refine(target: bpy.types.Object, options: Options, tell: Callable[[int], None] = lambda done: None) -> Made:
     """Split faces of the mesh itself, and bind anew all that show it. With nothing to split nothing is touched.
+
+    Automatic levels look at the motion of the denser mesh again, until none of its faces asks for more.
 
     Raises RefineError, or ValueError as `find`.
     """
@@ -123,31 +136,45 @@ def refine(target: bpy.types.Object, options: Options, tell: Callable[[int], Non
     _check(target)
     # An edit that nothing was evaluated after is followed now.
     bpy.context.view_layer.update()
-    found = find(target, tell).region(options).refinement
-    if not found.splits:
-        return found
+    region = find(target, tell).region(options)
+    origins = np.arange(region.all_face_count)
+    used, is_refined = np.zeros(len(origins), np.int32), np.zeros(len(origins), bool)
+    for _ in range(MOST_ROUNDS if options.is_automatic else 1):
+        made = region.refinement
+        if not made.splits:
+            break
+        _write(mesh, made, options)
+        is_refined[origins[made.levels > 0]] = True
+        used, origins = (used + made.levels)[made.parents], origins[made.parents]
+        if options.is_automatic:
+            bpy.context.view_layer.update()
+            region = Region(find(target, tell).need, options, used)
+    short_count = region.short_count if options.is_automatic else 0
+    return Made(int(is_refined.sum()), len(is_refined), len(mesh.vertices), short_count)
+
+
+def _write(mesh: bpy.types.Mesh, made: Refinement, options: Options) -> None:
     positions = refined_mesh.read_surface(mesh).positions
     keys = refined_mesh.read_key_positions(mesh)
-    place = found.vertices
+    place = made.vertices
     if options.is_smooth:
-        place = partial(found.smoothed, keeps_vertices=not _is_subdivided(mesh))
-    key_positions = np.array([place(row) for row in keys]).reshape(len(keys), found.vertex_count, 3)
-    offsets, corners = found.faces
+        place = partial(made.smoothed, keeps_vertices=not _is_subdivided(mesh))
+    key_positions = np.array([place(row) for row in keys]).reshape(len(keys), made.vertex_count, 3)
+    offsets, corners = made.faces
     with runtime.quiet():
         try:
             refined_mesh.write(
                 mesh,
-                [_level(split) for split in found.splits],
-                refined_mesh.NewFaces(offsets, corners, found.parents, found.is_new, found.corner_origins),
+                [_level(split) for split in made.splits],
+                refined_mesh.NewFaces(offsets, corners, made.parents, made.is_new, made.corner_origins),
                 place(positions),
                 key_positions,
-                found.corners,
+                made.corners,
             )
         except refined_mesh.DoubledFaceError as error:
             raise RefineError("Two faces have the same vertices: merge vertices by distance, or delete one") from error
     for user in _users(mesh):
         _bind(user)
-    return found
 
 
 def loose_modifiers(mesh: bpy.types.Mesh) -> list[str]:

@@ -53,7 +53,7 @@ def surface(
     return Surface(Faces(face_offsets, face_corners), np.asarray(points, np.int64), creases)
 
 
-def levels(need: Need, options: Options) -> NDArray[np.int32]:
+def asked_levels(need: Need, options: Options) -> NDArray[np.int32]:
     """(F,) of the mesh's faces: the most that any of the faces made of one asks for."""
     asked = refined_levels.wanted_levels(
         need.bound_faces,
@@ -67,15 +67,20 @@ def levels(need: Need, options: Options) -> NDArray[np.int32]:
     found = np.zeros(len(need.surface.faces.counts), np.int32)
     is_from = need.origins >= 0
     np.maximum.at(found, need.origins[is_from], asked[is_from])
-    return refined_levels.balanced(need.surface.faces, found, need.surface.points)
+    return found
 
 
 class Region:
     """One choice of options. Worked out when it is looked at."""
 
-    def __init__(self, need: Need, options: Options) -> None:
+    def __init__(self, need: Need, options: Options, used: NDArray[np.integer] | int = 0) -> None:
+        """used: (F,) levels that faces have already, of those in the options."""
         self._need = need
-        self.refinement: Refinement = refine(need.surface, levels(need, options))
+        asked, left = asked_levels(need, options), options.levels - used
+        # Faces that ask for more levels than they may have.
+        self.short_count = int((asked > left).sum())
+        levels = refined_levels.balanced(need.surface.faces, np.minimum(asked, left), need.surface.points)
+        self.refinement: Refinement = refine(need.surface, levels)
 
     @property
     def face_count(self) -> int:

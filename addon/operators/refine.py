@@ -56,23 +56,27 @@ class OBJECT_OT_turgor_refine(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         ob = character_of(context)
-        before = len(ob.data.polygons)
         window_manager = context.window_manager
         window_manager.progress_begin(0, len(refining.frames(ob)))
         try:
-            found = refining.refine(ob, refining.options_of(self), window_manager.progress_update)
+            made = refining.refine(ob, refining.options_of(self), window_manager.progress_update)
         except ValueError as error:
             self.report({"ERROR"}, translated(of_error(error), rpt_))
             return {"CANCELLED"}
         finally:
             window_manager.progress_end()
         ob.turgor.refine.show_preview = False
-        if not found.splits:
+        if not made.face_count:
             self.report({"INFO"}, rpt_("No face is refined: nothing there asks for more, or the threshold is too high"))
             return {"CANCELLED"}
         for name in refining.loose_modifiers(ob.data):
             text = rpt_("{modifier} was bound to the mesh as it was: bind it again")
             self.report({"WARNING"}, text.format(modifier=name))
-        text = rpt_("{count:,} of {all:,} faces refined, {vertices:,} vertices now")
-        self.report({"INFO"}, text.format(count=found.face_count, all=before, vertices=found.vertex_count))
+        text = rpt_("{count:,} of {all:,} faces refined, {vertices:,} vertices now").format(
+            count=made.face_count, all=made.all_face_count, vertices=made.vertex_count
+        )
+        if made.short_count:
+            more = rpt_("{count:,} faces ask for more than {levels} levels")
+            text = f"{text}; {more.format(count=made.short_count, levels=self.levels)}"
+        self.report({"INFO"}, text)
         return {"FINISHED"}

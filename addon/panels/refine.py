@@ -35,9 +35,13 @@ def _draw_counts(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
     if region is None:
         return
     column = layout.box().column(align=True)
+    # Automatic levels look at the denser mesh again.
+    afterwards = iface_("{vertices:,} vertices afterwards")
+    if ob.turgor.refine.use_automatic:
+        afterwards = iface_("{vertices:,} vertices or more afterwards")
     lines = (
         iface_("{count:,} of {all:,} faces").format(count=region.face_count, all=region.all_face_count),
-        iface_("{vertices:,} vertices afterwards").format(vertices=region.vertex_count),
+        afterwards.format(vertices=region.vertex_count),
     )
     for text in lines:
         line = column.row()

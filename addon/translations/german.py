@@ -915,6 +915,8 @@ TEXTS: dict[str, str] = {
     ),
     "{count:,} of {all:,} faces": "{count:,} von {all:,} Flächen",
     "{vertices:,} vertices afterwards": "danach {vertices:,} Punkte",
+    "{vertices:,} vertices or more afterwards": "danach {vertices:,} Punkte oder mehr",
+    "{count:,} faces ask for more than {levels} levels": "{count:,} Flächen verlangen mehr als {levels} Stufen",
     "{count:,} of {all:,} faces refined, {vertices:,} vertices now": (
         "{count:,} von {all:,} Flächen verfeinert, jetzt {vertices:,} Punkte"
     ),

@@ -243,6 +243,27 @@ def test_undo_takes_it_back_in_one_step_and_it_can_be_done_otherwise(route, runt
     assert volume(ob) == pytest.approx(mesh_volume(ob.data), rel=1e-6)
 
 
+@pytest.mark.parametrize("method", ["LINEAR", "SMOOTH"])
+def test_automatic_is_enough_at_once(refining, method):
+    """A denser mesh sees more of the folds: the second time there is nothing left to do, unless levels ran out."""
+    counts = {}
+    for levels in (1, 4):
+        ob, _ = character(f"Tube{levels}", rings=13, segments=12)
+        add_turgor(ob)
+        for joint in ob.turgor.joints:
+            joint.preset = "FOLDS"
+        options = refining.Options(0.1, levels, is_automatic=True, is_smooth=method == "SMOOTH")
+        made = refining.refine(ob, options)
+        bpy.context.view_layer.update()
+        counts[levels] = made.vertex_count
+        assert 0 < made.face_count < made.all_face_count
+        assert made.vertex_count == len(ob.data.vertices)
+        again = refining.refine(ob, options)
+        assert (made.short_count > 0) == (again.face_count > 0) == (levels == 1)
+        assert is_watertight(ob.data)
+    assert counts[4] > counts[1]
+
+
 def test_the_preview_says_what_refining_does(refining, runtime):
     ob, _ = character()
     add_turgor(ob)
