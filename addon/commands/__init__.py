@@ -1,1 +1,1 @@
-"""The command line: `blender -b FILE --command turgor check|report|bake|verify`, without any window."""
+"""The command line: `blender -b FILE --command turgor check|report|bake|verify|export|refine`, without any window."""

@@ -12,9 +12,9 @@ from turgor import TurgorError
 
 from .. import runtime
 from ..live import start
-from . import bake, check, export, outcome, report, verify
+from . import bake, check, export, outcome, refine, report, verify
 
-COMMANDS = (check, report, bake, verify, export)
+COMMANDS = (check, report, bake, verify, export, refine)
 # What is wrong with the file, the disk or the settings: said in a line. All else is a bug, with its traceback.
 REFUSALS = (ValueError, OSError, TurgorError)
 NAME = "turgor"

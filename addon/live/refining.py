@@ -184,6 +184,8 @@ def loose_modifiers(mesh: bpy.types.Mesh) -> list[str]:
 
 def _check(target: bpy.types.Object) -> None:
     mesh = target.data
+    if mesh.library is not None:
+        raise RefineError("The mesh is linked: refine it in its own file")
     if mesh.is_editmode:
         raise RefineError("The mesh is in Edit Mode: leave it first")
     for user in _users(mesh):

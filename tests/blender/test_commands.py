@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 import pytest
 from body import add_spine
-from measure import positions
+from measure import mesh_positions, positions
 from tube import LAST_FRAME, add_turgor, character, volume_modifier
 
 FINE, OFF, USAGE, FAILED = range(4)
@@ -48,11 +48,23 @@ def saved(addon, tmp_path) -> Path:
 
 def test_every_command_says_what_it_takes(addon, capsys):
     command_line = importlib.import_module("addon.commands.command_line")
-    for words in ([], ["check"], ["report"], ["bake"], ["verify"], ["export"]):
+    for words in ([], ["check"], ["report"], ["bake"], ["verify"], ["export"], ["refine"]):
         assert command_line.main([*words, "--help"]) == FINE
         assert "usage: turgor" in capsys.readouterr().out
-    for wrong in ([], ["bogus"], ["report", "--frames", "9-1"], ["bake", "--part", "3/2"]):
+    for wrong in (
+        [],
+        ["bogus"],
+        ["report", "--frames", "9-1"],
+        ["bake", "--part", "3/2"],
+        ["refine", "--threshold", "2"],
+    ):
         assert command_line.main(wrong) == USAGE
+
+
+def test_the_module_knows_every_command(addon):
+    command_line = importlib.import_module("addon.commands.command_line")
+    module = importlib.import_module("turgor.blender")
+    assert tuple(each.NAME for each in command_line.COMMANDS) == module.COMMANDS
 
 
 def test_check_is_fine_until_something_is_off(route, saved, run):
@@ -157,6 +169,46 @@ def test_parts_are_the_same_bytes_from_any_worker(saved, run, tmp_path):
     assert _bytes(expected) == _bytes(many)
 
 
+def test_refined_characters_go_into_another_file(saved, run, tmp_path):
+    """What the panel says counts where nothing is given; the same figures and places from any run."""
+    path = tmp_path / "new folder" / "refined.blend"
+    mesh = bpy.data.objects["Tube"].data
+    before, content = len(mesh.vertices), saved.read_bytes()
+    bpy.data.objects["Tube"].turgor.refine.threshold = 1.0
+    code, found = run("refine")
+    assert code == FINE
+    assert found["objects"][0]["refined_faces"] == 0
+    given = ("--threshold", "0.1", "--levels", "1", "--no-automatic", "--method", "smooth")
+    code, found = run("refine", *given, "--save", path)
+    (entry,) = found["objects"]
+    assert code == FINE
+    assert 0 < entry["refined_faces"] < entry["faces"]
+    assert entry["vertices"] == before < entry["vertices_afterwards"] == len(mesh.vertices)
+    refined = mesh_positions(mesh)
+    assert saved.read_bytes() == content
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    assert np.array_equal(mesh_positions(bpy.data.objects["Tube"].data), refined)
+    assert run("check")[0] == FINE
+    assert run("report", "--tolerance", "1e-4")[0] == FINE
+    bpy.ops.wm.open_mainfile(filepath=str(saved))
+    assert run("refine", *given) == (FINE, found)
+    assert np.array_equal(mesh_positions(bpy.data.objects["Tube"].data), refined)
+    bpy.ops.wm.open_mainfile(filepath=str(saved))
+    _, automatic = run("refine", "--threshold", "0.1", "--levels", "1", "--automatic")
+    assert automatic["objects"][0]["vertices_afterwards"] < entry["vertices_afterwards"]
+
+
+def test_a_linked_mesh_is_refined_in_its_own_file(saved, run, tmp_path, capsys):
+    path = str(tmp_path / "mesh.blend")
+    ob = bpy.data.objects["Tube"]
+    bpy.data.libraries.write(path, {ob.data})
+    with bpy.data.libraries.load(path, link=True) as (_, wanted):
+        wanted.meshes = [ob.data.name]
+    ob.data = wanted.meshes[0]
+    assert run("refine")[0] == FAILED
+    assert "Tube: The mesh is linked: refine it in its own file" in capsys.readouterr().err
+
+
 def test_refusals_say_what_to_do(saved, run, tmp_path, capsys):
     (tmp_path / "file").write_text("")
     for arguments, words in (
@@ -165,6 +217,7 @@ def test_refusals_say_what_to_do(saved, run, tmp_path, capsys):
         (("bake", "--save", tmp_path / "x.txt"), ".blend"),
         (("bake", "--save", tmp_path / "x.blend", "--output", tmp_path / "file"), "is a file"),
         (("verify",), "bake with --save first"),
+        (("refine", "--save", saved), "is the file that is open"),
     ):
         assert run(*arguments)[0] == FAILED
         assert words in capsys.readouterr().err

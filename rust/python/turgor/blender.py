@@ -18,7 +18,7 @@ from types import ModuleType
 from typing import Any, NoReturn
 
 EXTENSION = "turgor"
-COMMANDS = ("check", "report", "bake", "verify", "export")
+COMMANDS = ("check", "report", "bake", "verify", "export", "refine")
 FAILED = 3
 
 
