@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use crate::crew;
+use crate::crew::{self, locked};
 use crate::error::{Error, Result};
 use crate::frame::{Details, Needs, Pose, RefinementNeed, Workspace};
 use crate::report::{FoldCounts, Report};
@@ -50,7 +50,7 @@ impl VolumeSkin {
         // Empty meshes have frames too.
         let rows: Vec<Mutex<&mut [[f32; 3]]>> = positions.chunks_mut(vertices.max(1)).map(Mutex::new).collect();
         self.side_by_side(frames, workspaces, |frame, workspace, _| {
-            let mut row = rows.get(frame).map(|row| row.lock().unwrap_or_else(PoisonError::into_inner));
+            let mut row = rows.get(frame).map(locked);
             let row = row.as_deref_mut().map_or(&mut [][..], |row| row);
             self.deform_to_positions(&poses[frame], effects[frame], workspace, row)?;
             Ok(workspace.report.fold_counts())
@@ -68,7 +68,7 @@ impl VolumeSkin {
             self.skin_pose(&poses[frame], workspace)?;
             let mut own = Needs::new(self.binding());
             self.add_needs(workspace, &details, &mut own);
-            needs.lock().unwrap_or_else(PoisonError::into_inner).join(&own);
+            locked(&needs).join(&own);
             Ok(())
         })?;
         let needs = needs.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -95,7 +95,7 @@ impl VolumeSkin {
                 let frame = next.fetch_add(1, Ordering::Relaxed);
                 let Some(result) = results.get(frame) else { break };
                 let (workspace, offsets) = buffers.get_or_insert_with(|| {
-                    let spare = spare.lock().unwrap_or_else(PoisonError::into_inner).take();
+                    let spare = locked(&spare).take();
                     (spare.unwrap_or_else(|| workspaces.take(self)), Vec::new())
                 });
                 let outcome = work(frame, workspace, offsets);

@@ -1,8 +1,8 @@
 //! Parallel visits of pieces of arrays: one piece per patch, each of its own length, each written by one thread.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 
-use crate::crew;
+use crate::crew::{self, locked};
 
 /// Arrays that can be cut between pieces.
 pub(crate) trait Split: Sized + Send {
@@ -136,10 +136,6 @@ fn take<S: Split>(part: &Mutex<Option<Run<S>>>, is_own: bool) -> Option<Run<S>> 
     };
     *part = Some(rest);
     Some(run)
-}
-
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Pieces that follow one another.

@@ -1,7 +1,8 @@
 //! Buffers of frames that have ended, for the next ones.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 
+use crate::crew::locked;
 use crate::frame::Workspace;
 use crate::volume_skin::VolumeSkin;
 
@@ -17,19 +18,15 @@ pub struct Workspaces {
 impl Workspaces {
     /// One that waits, or a new one.
     pub fn take(&self, skin: &VolumeSkin) -> Workspace {
-        let idle = self.lock().pop();
+        let idle = locked(&self.idle).pop();
         idle.unwrap_or_else(|| skin.workspace())
     }
 
     /// For the next frame.
     pub fn give_back(&self, workspace: Workspace) {
-        let mut idle = self.lock();
+        let mut idle = locked(&self.idle);
         if (idle.len() + 1) * workspace.memory_bytes() <= IDLE_MAX || idle.is_empty() {
             idle.push(workspace);
         }
-    }
-
-    fn lock(&self) -> MutexGuard<'_, Vec<Workspace>> {
-        self.idle.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
