@@ -148,7 +148,12 @@ def refine(target: bpy.types.Object, options: Options, tell: Callable[[int], Non
         used, origins = (used + made.levels)[made.parents], origins[made.parents]
         if options.is_automatic:
             bpy.context.view_layer.update()
-            region = Region(find(target, tell).need, options, used)
+            try:
+                region = Region(find(target, tell).need, options, used)
+            except ValueError as error:
+                # The mesh is refined all the same; an error would leave it without a step of undo.
+                runtime.log.warning("%s: not looked at again: %s", target.name, error)
+                break
     short_count = region.short_count if options.is_automatic else 0
     return Made(int(is_refined.sum()), len(is_refined), len(mesh.vertices), short_count)
 

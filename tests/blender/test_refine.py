@@ -264,6 +264,26 @@ def test_automatic_is_enough_at_once(refining, method):
     assert counts[4] > counts[1]
 
 
+def test_what_cannot_be_looked_at_again_is_refined_once(refining, monkeypatch):
+    ob, _ = character(rings=13, segments=12)
+    add_turgor(ob)
+    for joint in ob.turgor.joints:
+        joint.preset = "FOLDS"
+    find, calls = refining.find, []
+
+    def once(*arguments):
+        calls.append(arguments)
+        if len(calls) > 1:
+            raise ValueError("a driver names the scene")
+        return find(*arguments)
+
+    monkeypatch.setattr(refining, "find", once)
+    before = len(ob.data.vertices)
+    assert refine(ob, use_automatic=True, threshold=0.1) == {"FINISHED"}
+    assert len(ob.data.vertices) > before
+    assert len(calls) == 2
+
+
 def test_the_preview_says_what_refining_does(refining, runtime):
     ob, _ = character()
     add_turgor(ob)
