@@ -24,7 +24,7 @@ from .volume_frames import VolumeFrames
 CHUNK_FRAMES, CHUNK_BYTES = 32, 1 << 23
 POSITION_BYTES = 12
 # Frames that the engine gets at a time, for it to begin early and end soon.
-PART_FRAMES = 8
+PART_FRAMES = 16
 # Between two steps: to begin sampling takes as long as some frames.
 SECONDS_OF_WORK = 0.1
 # Chunks that may be in memory at one time where a store keeps them.

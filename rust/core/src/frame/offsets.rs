@@ -8,10 +8,9 @@ use fearless_simd::{Level, Simd, dispatch, f32x4};
 use super::Workspace;
 use crate::binding::Binding;
 use crate::fields::Move;
-use crate::lanes::{self, V4};
+use crate::lanes;
 use crate::skinning::columns;
 use crate::split::{Equal, for_each_piece};
-use crate::stages::BLOCK;
 
 /// Vertices that are written at a time.
 const CHUNK: usize = 512;
@@ -56,32 +55,28 @@ impl Workspace {
 fn write_all<S: Simd>(simd: S, frame: &Workspace, binding: &Binding, to_object: &[[f32; 4]; 3], part: f64, positions: &mut [[f32; 3]]) {
     // Every point has its own place, as `skinned_vertex` finds it.
     let is_plain = !binding.sites.is_split() && frame.added.is_empty();
+    let (near, rest) = (&frame.skinned.near, &frame.skinned.rest);
     let (object, origin) = (columns(&frame.object), lanes::from(frame.motions.palette.origin));
-    let step_of =
-        |vertex: u32| frame.components.get(binding.component_of_vertex[vertex as usize] as usize).map_or(f64::NAN, |c| c.step) as f32;
-    let corrected = |skinned: V4, slot: usize, vertex: u32| {
-        let offset = offset(simd, frame.moves.get(slot), step_of(vertex), to_object);
-        let [a, b, c, d] = object;
-        let p: V4 = std::array::from_fn(|i| a[i] * skinned[0] + b[i] * skinned[1] + c[i] * skinned[2] + d[i] + part * f64::from(offset[i]));
-        [p[0] as f32, p[1] as f32, p[2] as f32]
-    };
-    let slot_of = |vertex: u32| binding.slot_of_vertex[vertex as usize] as usize;
-    for vertices in binding.vertices_by_slot.chunks(BLOCK) {
-        let (first, last) = (slot_of(vertices[0]), slot_of(vertices[vertices.len() - 1]));
-        let is_row = last < frame.moves.len() && vertices.iter().zip(first..=last).all(|(&vertex, slot)| slot_of(vertex) == slot);
-        if is_plain && is_row && last - first == BLOCK - 1 {
-            let places: [[f64; BLOCK]; 3] = std::array::from_fn(|axis| {
-                let (near, rest) = (&frame.skinned.near[axis][first..=last], &frame.skinned.rest[axis][first..=last]);
-                std::array::from_fn(|i| f64::from(near[i]) + f64::from(rest[i]) + origin[axis])
-            });
-            for (i, &vertex) in vertices.iter().enumerate() {
-                positions[vertex as usize] = corrected([places[0][i], places[1][i], places[2][i], 0.0], first + i, vertex);
-            }
+    for &vertex in &binding.vertices_by_slot {
+        let vertex = vertex as usize;
+        let (slot, component) = (binding.slot_of_vertex[vertex] as usize, binding.component_of_vertex[vertex] as usize);
+        let point = frame.moves.get(slot);
+        let p = if is_plain && point.is_some() {
+            [
+                f64::from(near[0][slot]) + f64::from(rest[0][slot]) + origin[0],
+                f64::from(near[1][slot]) + f64::from(rest[1][slot]) + origin[1],
+                f64::from(near[2][slot]) + f64::from(rest[2][slot]) + origin[2],
+            ]
         } else {
-            for &vertex in vertices {
-                let skinned = lanes::from(frame.skinned_vertex(binding, vertex as usize));
-                positions[vertex as usize] = corrected(skinned, slot_of(vertex), vertex);
-            }
+            frame.skinned_vertex(binding, vertex).to_array()
+        };
+        let step = if let Some(state) = frame.components.get(component) { state.step as f32 } else { f32::NAN };
+        let offset = offset(simd, point, step, to_object);
+        let [a, b, c, d] = &object;
+        let row = &mut positions[vertex];
+        for axis in 0..3 {
+            let skinned = a[axis] * p[0] + b[axis] * p[1] + c[axis] * p[2] + d[axis];
+            row[axis] = (skinned + part * f64::from(offset[axis])) as f32;
         }
     }
 }
@@ -110,8 +105,12 @@ fn write_some<S: Simd>(
 /// Corrected − skinned of a point, object space; no point, and a step that is not a number, stay.
 #[inline(always)]
 fn offset<S: Simd>(simd: S, point: Option<&Move>, step: f32, to_object: &[[f32; 4]; 3]) -> [f32; 4] {
-    let Some(Move { by, residual }) = point.filter(|_| !step.is_nan()) else { return [0.0; 4] };
+    let Some(Move { by, residual }) = point else { return [0.0; 4] };
+    if step.is_nan() {
+        return [0.0; 4];
+    }
     let u: [f32; 4] = (f32x4::simd_from(simd, *by) + f32x4::simd_from(simd, *residual) * step).into();
-    let [x, y, z] = to_object.map(|column| f32x4::simd_from(simd, column));
+    let (x, y) = (f32x4::simd_from(simd, to_object[0]), f32x4::simd_from(simd, to_object[1]));
+    let z = f32x4::simd_from(simd, to_object[2]);
     (x * u[0] + y * u[1] + z * u[2]).into()
 }
