@@ -42,7 +42,7 @@ def start() -> None:
     for target in bodies:
         spine_binding.bind(target)
     for target in found:
-        binding.bind(target)
+        _bind_shown(target)
     for holder in carrier.carriers():
         if holder.library is None:
             drivers.revalidate_tick(holder)
@@ -57,7 +57,7 @@ def bind_waiting() -> None:
                 spine_binding.bind(target)
         for target in housekeeping.characters():
             if target.session_uid in session.waiting:
-                binding.bind(target)
+                _bind_shown(target)
         session.waiting.clear()
 
 
@@ -124,7 +124,13 @@ def _bind(target: bpy.types.Object) -> None:
     known.is_stale = target.mode in EDITING_MODES - {"WEIGHT_PAINT"}
     if known.is_stale:
         return  # it is read when the mode is left
+    _bind_shown(target)
+
+
+def _bind_shown(target: bpy.types.Object) -> None:
+    """And what is previewed of it."""
     binding.bind(target)
+    refining.follow(target)
 
 
 def _follow_body(target: bpy.types.Object, *, is_edited: bool) -> None:

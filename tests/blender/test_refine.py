@@ -308,6 +308,25 @@ def test_the_preview_says_what_refining_does(refining, runtime):
     assert not saved.show_preview
 
 
+def test_the_preview_is_there_when_a_file_is_opened_and_after_an_edit(refining, tmp_path):
+    ob, _ = character()
+    add_turgor(ob)
+    ob.turgor.refine.use_automatic, ob.turgor.refine.show_preview = False, True
+    count = refining.look(ob).face_count
+    path = str(tmp_path / "file.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    ob = bpy.data.objects["Tube"]
+    assert refining.look(ob).face_count == count
+    select([ob])
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.object.turgor_volume_rebind()
+    assert refining.look(ob).all_face_count > count
+
+
 def test_half_a_body_under_a_mirror(runtime):
     ob, armature = character()
     mesh = ob.data
