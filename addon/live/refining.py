@@ -86,6 +86,9 @@ def frames(target: bpy.types.Object) -> list[int]:
 
 def look(ob: bpy.types.Object) -> Region | None:
     """What the preview shows of the object; None while it is off, or nothing was found yet. For draw callbacks."""
+    if not strokes.CAN_WAIT and _is_due(ob):
+        # Nothing is drawn without a window: a farm does not look at motions for the preview's sake.
+        refresh(ob)
     known = runtime.session.characters.get(ob.session_uid)
     saved = ob.turgor.refine
     if known is None or known.refinement is None or known.body is None or not saved.show_preview:
@@ -103,11 +106,15 @@ def options_of(saved: bpy.types.PropertyGroup) -> Options:
 
 def follow(target: bpy.types.Object) -> None:
     """Find again, a little later, what an edit may have changed; only while it is previewed."""
-    if not target.turgor.refine.show_preview:
-        return
-    known = runtime.character(target.session_uid)
-    if known.body is not None and (known.refinement is None or known.refinement.state != _state(target, known.body)):
+    if strokes.CAN_WAIT and _is_due(target):
         strokes.when_quiet(target.session_uid, "refine", refresh, SECONDS_TO_REST)
+
+
+def _is_due(target: bpy.types.Object) -> bool:
+    known = runtime.session.characters.get(target.session_uid)
+    if known is None or known.body is None or not target.turgor.refine.show_preview:
+        return False
+    return known.refinement is None or known.refinement.state != _state(target, known.body)
 
 
 def refresh(target: bpy.types.Object) -> None:

@@ -308,7 +308,7 @@ def test_the_preview_says_what_refining_does(refining, runtime):
     assert not saved.show_preview
 
 
-def test_the_preview_is_there_when_a_file_is_opened_and_after_an_edit(refining, tmp_path):
+def test_the_preview_is_there_when_a_file_is_opened_and_after_an_edit(refining, runtime, tmp_path):
     ob, _ = character()
     add_turgor(ob)
     ob.turgor.refine.use_automatic, ob.turgor.refine.show_preview = False, True
@@ -317,6 +317,8 @@ def test_the_preview_is_there_when_a_file_is_opened_and_after_an_edit(refining, 
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
     ob = bpy.data.objects["Tube"]
+    # Not before it is looked at.
+    assert runtime.session.characters[ob.session_uid].refinement is None
     assert refining.look(ob).face_count == count
     select([ob])
     bpy.ops.object.mode_set(mode="EDIT")
