@@ -64,7 +64,7 @@ def test_an_array_of_the_caller_is_filled_and_handed_back():
     read_only.flags.writeable = False
     for wrong in (own[1:], own.astype(np.float64), room[::2][: len(own)], own[..., :2], [1.0], read_only):
         with pytest.raises(turgor.TurgorError, match="positions"):
-            body.deform_many(poses, positions=wrong)
+            body.deform_many(poses, positions=wrong)  # pyright: ignore[reportArgumentType]
 
 
 def test_bad_input_is_refused_by_name():
