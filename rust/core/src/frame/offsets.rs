@@ -23,7 +23,8 @@ impl Workspace {
         let level = Level::new();
         // Most characters are one shell: nothing to look up then.
         let only_step = if let [state] = &**components { Some(state.step as f32) } else { None };
-        let step = |component: u32| components[component as usize].step as f32;
+        // Loose points are of no component.
+        let step = |component: u32| components.get(component as usize).map_or(f32::NAN, |state| state.step as f32);
         // Of numbers of 0 or more the bits are in the same order.
         let largest_squared = AtomicU32::new(0);
         let rows = Equal::new(offsets, CHUNK);
