@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x4};
 
-use super::Workspace;
+use super::{ComponentState, Workspace};
 use crate::binding::Binding;
 use crate::fields::Move;
 use crate::lanes;
@@ -23,8 +23,7 @@ impl Workspace {
         let level = Level::new();
         // Most characters are one shell: nothing to look up then.
         let only_step = if let [state] = &**components { Some(state.step as f32) } else { None };
-        // Loose points are of no component.
-        let step = |component: u32| components.get(component as usize).map_or(f32::NAN, |state| state.step as f32);
+        let step = |component: u32| step_of(components, component);
         // Of numbers of 0 or more the bits are in the same order.
         let largest_squared = AtomicU32::new(0);
         let rows = Equal::new(offsets, CHUNK);
@@ -60,7 +59,7 @@ fn write_all<S: Simd>(simd: S, frame: &Workspace, binding: &Binding, to_object: 
     let (object, origin) = (columns(&frame.object), lanes::from(frame.motions.palette.origin));
     for &vertex in &binding.vertices_by_slot {
         let vertex = vertex as usize;
-        let (slot, component) = (binding.slot_of_vertex[vertex] as usize, binding.component_of_vertex[vertex] as usize);
+        let (slot, component) = (binding.slot_of_vertex[vertex] as usize, binding.component_of_vertex[vertex]);
         let point = frame.moves.get(slot);
         let p = if is_plain && point.is_some() {
             [
@@ -71,7 +70,7 @@ fn write_all<S: Simd>(simd: S, frame: &Workspace, binding: &Binding, to_object: 
         } else {
             frame.skinned_vertex(binding, vertex).to_array()
         };
-        let step = if let Some(state) = frame.components.get(component) { state.step as f32 } else { f32::NAN };
+        let step = step_of(&frame.components, component);
         let offset = offset(simd, point, step, to_object);
         let [a, b, c, d] = &object;
         let row = &mut positions[vertex];
@@ -101,6 +100,12 @@ fn write_some<S: Simd>(
         row.copy_from_slice(&u[..3]);
     }
     largest
+}
+
+/// Step along the residual's field; not a number for loose points, which are of no component.
+#[inline(always)]
+fn step_of(components: &[ComponentState], component: u32) -> f32 {
+    if let Some(state) = components.get(component as usize) { state.step as f32 } else { f32::NAN }
 }
 
 /// Corrected − skinned of a point, object space; no point, and a step that is not a number, stay.
