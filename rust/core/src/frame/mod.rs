@@ -16,6 +16,8 @@ mod targets;
 
 use std::sync::Arc;
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8, f64x4};
 use glam::{DAffine3, DMat4, DVec3};
 
 use self::added::Added;
@@ -27,9 +29,10 @@ use crate::correction::{Field, FieldFrame, Hold};
 use crate::error::{Error, Result};
 use crate::fields::Move;
 use crate::joint::Joint;
-use crate::lanes::{self, V4, add_scaled};
+use crate::lanes::{self, Four, V4, add_scaled};
 use crate::mask::Mask;
 use crate::motions::Motions;
+use crate::patches::LANES;
 use crate::report::Report;
 use crate::skinning::{check_object, check_pose};
 use crate::split::Ragged;
@@ -93,6 +96,22 @@ impl Places {
         let [x, y, z] = std::array::from_fn(|axis| f64::from(self.near[axis][slot]) + f64::from(self.rest[axis][slot]));
         [x, y, z, 0.0]
     }
+
+    /// The same of eight slots side by side, the first of them a multiple of eight.
+    #[inline(always)]
+    fn eight<S: Simd>(&self, simd: S, number: usize) -> [Four<S>; 2] {
+        let Self { near, rest } = self;
+        let (x, y, z) =
+            (sums(simd, &near[0], &rest[0], number), sums(simd, &near[1], &rest[1], number), sums(simd, &near[2], &rest[2], number));
+        [Four::of_lanes([x.0, y.0, z.0]), Four::of_lanes([x.1, y.1, z.1])]
+    }
+}
+
+#[inline(always)]
+fn sums<S: Simd>(simd: S, near: &[f32], rest: &[f32], number: usize) -> (f64x4<S>, f64x4<S>) {
+    let of = |row: &[f32]| f32x8::simd_from(simd, row.as_chunks::<LANES>().0[number]).widen();
+    let (near, rest) = (of(near), of(rest));
+    (near.0 + rest.0, near.1 + rest.1)
 }
 
 /// Buffers of one frame.

@@ -3,12 +3,13 @@
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch, f32x4};
+use fearless_simd::{Level, Simd, dispatch, f32x4, f64x4};
 
 use super::{ComponentState, Workspace};
 use crate::binding::Binding;
 use crate::fields::Move;
-use crate::lanes;
+use crate::lanes::Four;
+use crate::patches::LANES;
 use crate::skinning::columns;
 use crate::split::{Equal, for_each_piece};
 
@@ -53,32 +54,66 @@ impl Workspace {
 
 #[inline(always)]
 fn write_all<S: Simd>(simd: S, frame: &Workspace, binding: &Binding, to_object: &[[f32; 4]; 3], part: f64, positions: &mut [[f32; 3]]) {
-    // Every point has its own place, as `skinned_vertex` finds it.
+    let [a, b, c, d] = columns(&frame.object);
+    let mut vertices = binding.vertices_by_slot.iter().map(|&vertex| vertex as usize).peekable();
+    let slot_of = |vertex: usize| binding.slot_of_vertex[vertex] as usize;
+    // Every point has its own place, as `skinned_vertex` finds it, and all of eight slots are of one component.
     let is_plain = !binding.sites.is_split() && frame.added.is_empty();
-    let (near, rest) = (&frame.skinned.near, &frame.skinned.rest);
-    let (object, origin) = (columns(&frame.object), lanes::from(frame.motions.palette.origin));
-    for &vertex in &binding.vertices_by_slot {
-        let vertex = vertex as usize;
-        let (slot, component) = (binding.slot_of_vertex[vertex] as usize, binding.component_of_vertex[vertex]);
-        let point = frame.moves.get(slot);
-        let p = if is_plain && point.is_some() {
-            [
-                f64::from(near[0][slot]) + f64::from(rest[0][slot]) + origin[0],
-                f64::from(near[1][slot]) + f64::from(rest[1][slot]) + origin[1],
-                f64::from(near[2][slot]) + f64::from(rest[2][slot]) + origin[2],
-            ]
-        } else {
-            frame.skinned_vertex(binding, vertex).to_array()
-        };
-        let step = step_of(&frame.components, component);
-        let offset = offset(simd, point, step, to_object);
-        let [a, b, c, d] = &object;
-        let row = &mut positions[vertex];
-        for axis in 0..3 {
-            let skinned = a[axis] * p[0] + b[axis] * p[1] + c[axis] * p[2] + d[axis];
-            row[axis] = (skinned + part * f64::from(offset[axis])) as f32;
+    while let Some(&first) = vertices.peek().filter(|&&vertex| is_plain && slot_of(vertex) < frame.moves.len()) {
+        let number = slot_of(first) / LANES;
+        let eight = eight_positions(simd, frame, number, binding.component_of_vertex[first], to_object, part);
+        while let Some(vertex) = vertices.next_if(|&vertex| slot_of(vertex) / LANES == number) {
+            positions[vertex].copy_from_slice(&eight[slot_of(vertex) % LANES][..3]);
         }
     }
+    for vertex in vertices {
+        let p = frame.skinned_vertex(binding, vertex);
+        let step = step_of(&frame.components, binding.component_of_vertex[vertex]);
+        let offset = offset(simd, frame.moves.get(slot_of(vertex)), step, to_object);
+        for (axis, value) in positions[vertex].iter_mut().enumerate() {
+            let skinned = a[axis] * p.x + b[axis] * p.y + c[axis] * p.z + d[axis];
+            *value = (skinned + part * f64::from(offset[axis])) as f32;
+        }
+    }
+}
+
+/// Positions of all points in eight slots.
+#[inline(always)]
+fn eight_positions<S: Simd>(
+    simd: S,
+    frame: &Workspace,
+    number: usize,
+    component: u32,
+    to_object: &[[f32; 4]; 3],
+    part: f64,
+) -> [[f32; 4]; LANES] {
+    let step = step_of(&frame.components, component);
+    let [early, late] = frame.skinned.eight(simd, number);
+    let skinned = [in_object(simd, frame, early).rows(simd), in_object(simd, frame, late).rows(simd)];
+    let moves = &frame.moves.as_chunks::<LANES>().0[number];
+    let mut positions = [[0.0; 4]; LANES];
+    for (pair, rows) in positions.as_chunks_mut::<2>().0.iter_mut().enumerate() {
+        let (one, other) = (2 * pair, 2 * pair + 1);
+        let (one_offset, other_offset) =
+            (offset(simd, Some(&moves[one]), step, to_object), offset(simd, Some(&moves[other]), step, to_object));
+        let offsets = f32x4::simd_from(simd, one_offset).combine(f32x4::simd_from(simd, other_offset)).widen();
+        let half = &skinned[one / 4];
+        let both = (half[one % 4] + offsets.0 * part).narrow(half[other % 4] + offsets.1 * part);
+        let (first, second) = both.split();
+        *rows = [first.into(), second.into()];
+    }
+    positions
+}
+
+/// Object space, of points about the palette's origin.
+#[inline(always)]
+fn in_object<S: Simd>(simd: S, frame: &Workspace, points: Four<S>) -> Four<S> {
+    let [a, b, c, d] = columns(&frame.object);
+    let origin = frame.motions.palette.origin;
+    let [x, y, z] = points.coordinates();
+    let (x, y, z) = (x + origin.x, y + origin.y, z + origin.z);
+    let along = |axis: usize| x * a[axis] + y * b[axis] + z * c[axis] + f64x4::splat(simd, d[axis]);
+    Four::of_lanes([along(0), along(1), along(2)])
 }
 
 /// Offsets of some vertices; the largest squared length.

@@ -1,7 +1,7 @@
 //! What the fields leave: removed by the exact cubic of the volume along one more field.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch, f32x8, f64x4};
+use fearless_simd::{Level, Simd, dispatch};
 
 use super::give_back::Pass;
 use super::scratch::{Scratch, with_scratch};
@@ -9,7 +9,7 @@ use super::{ComponentState, Places, Workspace, widened};
 use crate::binding::Binding;
 use crate::fields::Move;
 use crate::joint::Joint;
-use crate::lanes::{Four, add};
+use crate::lanes::add;
 use crate::patches::{LANES, Patches};
 use crate::split::for_each_piece;
 use crate::supports::Supports;
@@ -128,16 +128,10 @@ fn cubic_of_patch<S: Simd>(
     let Scratch { first: p, second: u, .. } = scratch;
     // Padding is 0, and foreign points come after it.
     let own = patch.start..patch.start + patch.owned.next_multiple_of(LANES);
-    let [near, rest] = [&skinned.near, &skinned.rest].map(|rows| rows.each_ref().map(|row| row[own.clone()].as_chunks::<LANES>().0));
     let rows = p.as_chunks_mut::<LANES>().0.iter_mut().zip(u.as_chunks_mut::<LANES>().0);
     for (number, (eight, (p, u))) in moves[own].as_chunks::<LANES>().0.iter().zip(rows).enumerate() {
-        let (x, y, z) = (
-            sum_of(simd, &near[0][number], &rest[0][number]),
-            sum_of(simd, &near[1][number], &rest[1][number]),
-            sum_of(simd, &near[2][number], &rest[2][number]),
-        );
-        let early = Four::of_lanes([x.0, y.0, z.0]).rows(simd);
-        let late = Four::of_lanes([x.1, y.1, z.1]).rows(simd);
+        let [early, late] = skinned.eight(simd, patch.start / LANES + number);
+        let (early, late) = (early.rows(simd), late.rows(simd));
         for i in 0..LANES {
             let (by, residual) = eight[i].lanes(simd).widen();
             let place = if i < 4 { early[i] } else { late[i - 4] };
@@ -149,10 +143,4 @@ fn cubic_of_patch<S: Simd>(
         (p[i], u[i]) = (add(skinned.at(slot as usize), widened(point.by)), widened(point.residual));
     }
     sweeps::volume_cubic(simd, patches, patch, p, u)
-}
-
-#[inline(always)]
-fn sum_of<S: Simd>(simd: S, near: &[f32; LANES], rest: &[f32; LANES]) -> (f64x4<S>, f64x4<S>) {
-    let (near, rest) = (f32x8::simd_from(simd, *near).widen(), f32x8::simd_from(simd, *rest).widen());
-    (near.0 + rest.0, near.1 + rest.1)
 }
