@@ -144,7 +144,7 @@ class Computing:
     def _find_or_compute(self, chunk: _Chunk) -> None:
         assert self._store is not None
         assert self._fold_store is not None
-        name = self._source.fingerprint(chunk.samples)
+        name = chunk.name = self._source.fingerprint(chunk.samples)
         folds: NDArray[Any] | None = chunk.folds
         if self._source.repairs_folds:
             folds = self._fold_store.find(chunk.number, name, chunk.folds.shape)
@@ -163,7 +163,7 @@ class Computing:
         if self._store is None or self._fold_store is None:
             return chunk.positions
         if not chunk.is_kept:
-            name = self._source.fingerprint(chunk.samples)
+            name = chunk.name or self._source.fingerprint(chunk.samples)
             if self._source.repairs_folds:
                 self._fold_store.put(chunk.number, name, folds)
             self._store.put(chunk.number, name, chunk.positions)
@@ -179,4 +179,5 @@ class _Chunk:
     folds: NDArray[np.int32]  # (S, 3)
     samples: list[Any] = field(default_factory=list)
     parts: list[Future[None]] = field(default_factory=list)
+    name: str = ""  # its fingerprint, once known
     is_kept: bool = False  # where it will be kept

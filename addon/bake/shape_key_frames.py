@@ -19,15 +19,17 @@ def absolute(baking: Baking) -> Iterator[Progress]:
     baking.copy = baked_copy.make(
         baking.target, source.end, source.bound_frame, own_modifiers(baking), baking.options.name
     )
-    columns = {}
+    key_value = None
     number = 0
     for chunk in baking.chunks:
         with shape_key_writing.adding_keys(baking.copy) as add:
-            for positions in chunk:
-                columns[add(f"Frame {frames[number]:g}", positions, 0.0, 1.0)] = tent(frames, number)
-                number += 1
+            names = [add(f"Frame {frame:g}", at, 0.0, 1.0) for frame, at in zip(frames[number:], chunk, strict=False)]
+        # At once: the engine is at work on the next ones.
+        key_value = key_value or shape_key_writing.keying(baking.copy.data.shape_keys)
+        for name in names:
+            key_value(name, *tent(frames, number))
+            number += 1
         yield baking.making(number / len(frames), f"{number} of {len(frames)} keys")
-    shape_key_writing.key_values(baking.copy.data.shape_keys, columns)
     baking.report.key_count = len(frames)
     baking.report.byte_count = (len(frames) + 1) * baking.report.vertex_count * POSITION_BYTES
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import shutil
 import struct
-import zlib
 from contextlib import suppress
 from pathlib import Path
 
@@ -18,7 +17,7 @@ from numpy.typing import NDArray
 
 from .whole_file import UNFINISHED, written
 
-_CHECKSUM = struct.Struct("<I")
+_CHECKSUM = struct.Struct("<Q")
 
 
 class ChunkStore:
@@ -48,7 +47,7 @@ class ChunkStore:
                 checksum = file.read()
         except (OSError, ValueError, EOFError):
             return None
-        if chunk.shape != shape or chunk.dtype != np.float32 or checksum != _checksum(chunk):
+        if chunk.shape != shape or chunk.dtype != np.float32 or checksum != _CHECKSUM.pack(checksum_of(chunk)):
             return None
         self.found_count += 1
         self._paths[number] = path
@@ -60,7 +59,7 @@ class ChunkStore:
         with written(path, is_kept=False) as file:
             np.lib.format.write_array_header_1_0(file, np.lib.format.header_data_from_array_1_0(chunk))
             file.write(chunk.data)
-            file.write(_checksum(chunk))
+            file.write(_CHECKSUM.pack(checksum_of(chunk)))
         if self.may_have(number):
             for older in self._folder.glob(f"{path.name.partition('-')[0]}-*"):
                 if older != path and not older.name.endswith(UNFINISHED):
@@ -83,5 +82,8 @@ class ChunkStore:
         return self._folder / f"{self._kind}{number:06d}-{fingerprint}.npy"
 
 
-def _checksum(chunk: NDArray[np.float32]) -> bytes:
-    return _CHECKSUM.pack(zlib.crc32(chunk.data if chunk.size else b""))
+def checksum_of(chunk: NDArray[np.float32]) -> int:
+    """Sum of its 64-bit words, modulo 2^64: as fast as memory. Parts that a power cut has left out do not go unseen."""
+    words = chunk.reshape(-1).view("<u4")
+    pairs = words[: len(words) // 2 * 2].view("<u8")
+    return (int(np.add.reduce(pairs, dtype=np.uint64)) + int(words[2 * len(pairs) :].sum(dtype=np.uint64))) % (1 << 64)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import errno
 import os
-import zlib
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from itertools import count
 from pathlib import Path
@@ -19,7 +19,7 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from .chunk_store import ChunkStore
+from .chunk_store import ChunkStore, checksum_of
 from .point_cache import Header, PointCacheError
 from .whole_file import explained
 
@@ -32,6 +32,8 @@ class PointCacheStore:
         self._folder, self._header, self._chunk_samples = folder, header, chunk_samples
         self._others = ChunkStore(folder)
         self._written = Lock()
+        self._syncs = ThreadPoolExecutor(1, "turgor-sync")
+        self._syncing: Future[None] | None = None
         self._known: dict[int, tuple[str, int]] = {}
         self.found_count = 0
         start = header.packed()
@@ -64,7 +66,7 @@ class PointCacheStore:
         if known == fingerprint:
             with suppress(OSError, ValueError):
                 chunk = self.read(number, shape)
-                if zlib.crc32(chunk.data) == checksum:
+                if checksum_of(chunk) == checksum:
                     self.found_count += 1
                     return chunk
         chunk = self._others.find(number, fingerprint, shape)
@@ -83,12 +85,11 @@ class PointCacheStore:
             )
         with self._written, explained(self.path):
             self._file.seek(self._header.place(first))
-            rest = np.ascontiguousarray(chunk, "<f4").data.cast("B")
-            checksum = zlib.crc32(rest)
+            chunk = np.ascontiguousarray(chunk, "<f4")
+            checksum, rest = checksum_of(chunk), chunk.data.cast("B")
             while rest:
                 rest = rest[self._file.write(rest) :]
-            # While the next chunk is computed: there is little left to wait for at the end.
-            _synced(self._file.fileno())
+            self._begin_to_sync()
             self._journal.write(f"{number} {fingerprint} {checksum:08x}\n")
             self._known[number] = fingerprint, checksum
 
@@ -105,6 +106,8 @@ class PointCacheStore:
         if missing:
             raise PointCacheError(f"Chunks {sorted(missing)} were not computed: no sample may be missing")
         with explained(path):
+            if self._syncing is not None:
+                self._syncing.result()
             os.fsync(self._file.fileno())
             self.close()
             self.path.replace(path)
@@ -113,6 +116,7 @@ class PointCacheStore:
 
     def close(self) -> None:
         """What is there waits for another try."""
+        self._syncs.shutdown()
         for file in (self._file, self._journal, self._lock):
             with suppress(OSError):
                 file.close()
@@ -121,6 +125,13 @@ class PointCacheStore:
         """Remove what waits for another try."""
         self.close()
         self._others.clear()
+
+    def _begin_to_sync(self) -> None:
+        # While more is computed: there is little left to wait for at the end. A checksum tells what did not arrive.
+        if self._syncing is None or self._syncing.done():
+            if self._syncing is not None:
+                self._syncing.result()
+            self._syncing = self._syncs.submit(_sync, self._file.fileno())
 
     def _read_journal(self, layout: str) -> None:
         try:
@@ -135,8 +146,8 @@ class PointCacheStore:
                 self._known[int(number)] = fingerprint, int(checksum, 16)
 
 
-def _synced(file: int) -> None:
-    """The data of a file is on the disk."""
+def _sync(file: int) -> None:
+    """Returns when the data of the file is on the disk."""
     getattr(os, "fdatasync", os.fsync)(file)
 
 

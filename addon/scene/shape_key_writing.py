@@ -48,22 +48,29 @@ def adding_keys(ob: bpy.types.Object) -> Iterator[Callable[[str, NDArray[np.floa
 
 
 def key_values(keys: bpy.types.Key, columns: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]]) -> None:
-    """Keyframes in an action of their own, straight from one to the next.
+    """Keyframes as by `keying`. columns: by name of the key, frames and values, (F,) each."""
+    key_value = keying(keys)
+    for name, (frames, values) in columns.items():
+        key_value(name, frames, values)
 
-    columns: by name of the key, frames and values, (F,) each.
-    """
+
+def keying(keys: bpy.types.Key) -> Callable[[str, NDArray[np.float64], NDArray[np.float64]], None]:
+    """What keys values, in a new action, straight from one to the next: by name of the key, (F,) frames and values."""
     action = bpy.data.actions.new(f"{keys.user.name} Keys")
     slot = action.slots.new("KEY", keys.name)
     strip = action.layers.new("Layer").strips.new(type="KEYFRAME")
     bag = strip.channelbag(slot, ensure=True)
-    for name, (frames, values) in columns.items():
+    animation = keys.animation_data_create()
+    animation.action, animation.action_slot = action, slot
+
+    def key_value(name: str, frames: NDArray[np.float64], values: NDArray[np.float64]) -> None:
         curve = bag.fcurves.new(value_path(name))
         curve.keyframe_points.add(len(frames))
         curve.keyframe_points.foreach_set("co", np.stack([frames, values], axis=1).astype(np.float32).ravel())
         curve.keyframe_points.foreach_set("interpolation", np.full(len(frames), _LINEAR, np.int32))
         curve.update()
-    animation = keys.animation_data_create()
-    animation.action, animation.action_slot = action, slot
+
+    return key_value
 
 
 def keep_animation(keys: bpy.types.Key, source: bpy.types.Key) -> None:
