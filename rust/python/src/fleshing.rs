@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 use turgor::{Blend, Flesh, FleshFrame, Kind, Match, Twist};
 
 use crate::spine::{ClosestPoints, Spine, finite};
+use crate::threads::detached;
 use crate::{TurgorError, arrays, refused};
 
 /// Points bound to a rest spine.
@@ -95,13 +96,13 @@ impl Fleshing {
         let (blend, rule) = (blend_of(kind)?, rule_of(rule)?);
         let influence = influence.map(|influence| arrays::numbers(influence, "influence")).transpose()?;
         let spine = Arc::clone(&spine.inner);
-        let inner = py.detach(|| turgor::Fleshing::bind(spine, points, blend, rule, influence)).map_err(refused)?;
+        let inner = detached(py, || turgor::Fleshing::bind(spine, points, blend, rule, influence)).map_err(refused)?;
         Ok(Self::wrap(inner))
     }
 
     /// Runs a frame away from the interpreter, in a buffer of an earlier one.
     fn run<T: Send>(&self, py: Python<'_>, frame: impl FnOnce(&mut FleshFrame) -> turgor::Result<T> + Send) -> PyResult<T> {
-        py.detach(|| {
+        detached(py, || {
             let lock = || self.frames.lock().unwrap_or_else(PoisonError::into_inner);
             let spare = lock().pop();
             let mut buffer = spare.unwrap_or_default();
@@ -149,7 +150,7 @@ impl Fleshing {
 
     #[getter]
     fn stations(&self, py: Python<'_>) -> ClosestPoints {
-        ClosestPoints { rows: py.detach(|| self.inner.stations()) }
+        ClosestPoints { rows: detached(py, || self.inner.stations()) }
     }
 
     #[getter]
@@ -159,7 +160,7 @@ impl Fleshing {
 
     fn with_kind(&self, py: Python<'_>, kind: &Bound<'_, PyAny>) -> PyResult<Self> {
         let blend = blend_of(Some(kind))?;
-        Ok(Self::wrap(py.detach(|| self.inner.with_blend(blend))))
+        Ok(Self::wrap(detached(py, || self.inner.with_blend(blend))))
     }
 
     #[pyo3(signature = (posed_spine, *, twist=None, slide=0.0, stretch=true))]
@@ -226,7 +227,7 @@ impl Fleshing {
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let points = arrays::vectors(points, "points")?;
         let pose = PoseData::read(posed_spine, twist, slide, stretch)?;
-        let origins = py.detach(|| self.inner.inverse(&pose.flesh(), &points)).map_err(refused)?;
+        let origins = detached(py, || self.inner.inverse(&pose.flesh(), &points)).map_err(refused)?;
         Ok(arrays::from_vectors(py, &origins))
     }
 
@@ -254,7 +255,7 @@ impl Fleshing {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let parameters = finite(parameters, "parameters")?;
         let pose = PoseData::read(posed_spine, None, slide, stretch)?;
-        let radii = py.detach(|| self.inner.valid_radii(&pose.flesh(), &parameters)).map_err(refused)?;
+        let radii = detached(py, || self.inner.valid_radii(&pose.flesh(), &parameters)).map_err(refused)?;
         Ok(arrays::from_numbers(py, &radii))
     }
 }

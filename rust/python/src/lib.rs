@@ -8,6 +8,7 @@ mod pose;
 mod report;
 mod skinning;
 mod spine;
+mod threads;
 mod volume_skin;
 mod weights;
 
@@ -51,6 +52,7 @@ mod _native {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        super::threads::remember_process();
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use turgor::{Status, Target};
 
 use crate::joint::read_shares;
+use crate::threads::detached;
 use crate::{TurgorError, arrays, refused};
 
 /// A surface at rest.
@@ -81,7 +82,7 @@ impl Mesh {
         let rest = arrays::vectors(rest_positions, "rest_positions")?;
         let offsets = arrays::indices(face_offsets, "face_offsets")?;
         let corners = arrays::indices(face_corners, "face_corners")?;
-        let mesh = py.detach(|| turgor::Mesh::new(rest, &offsets, &corners, weld_tolerance)).map_err(refused)?;
+        let mesh = detached(py, || turgor::Mesh::new(rest, &offsets, &corners, weld_tolerance)).map_err(refused)?;
         Ok(Self { inner: Arc::new(mesh) })
     }
 
@@ -115,17 +116,17 @@ impl Mesh {
 
     fn volume(&self, py: Python<'_>, positions: &Bound<'_, PyAny>) -> PyResult<f64> {
         let positions = arrays::vectors(positions, "positions")?;
-        Ok(py.detach(|| self.inner.component_volumes(&positions)).map_err(refused)?.iter().sum())
+        Ok(detached(py, || self.inner.component_volumes(&positions)).map_err(refused)?.iter().sum())
     }
 
     fn component_volumes<'py>(&self, py: Python<'py>, positions: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let positions = arrays::vectors(positions, "positions")?;
-        Ok(arrays::from_numbers(py, &py.detach(|| self.inner.component_volumes(&positions)).map_err(refused)?))
+        Ok(arrays::from_numbers(py, &detached(py, || self.inner.component_volumes(&positions)).map_err(refused)?))
     }
 
     fn volume_gradient<'py>(&self, py: Python<'py>, positions: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let positions = arrays::vectors(positions, "positions")?;
-        Ok(arrays::from_vectors(py, &py.detach(|| self.inner.volume_gradient(&positions)).map_err(refused)?))
+        Ok(arrays::from_vectors(py, &detached(py, || self.inner.volume_gradient(&positions)).map_err(refused)?))
     }
 }
 
@@ -156,6 +157,6 @@ pub fn correct<'py>(
         targets = arrays::numbers(target_volume, "target_volume")?;
         Target::PerComponent(&targets)
     };
-    let corrected = py.detach(|| mesh.inner.correct(&positions, target, &gamma, axes, shares)).map_err(refused)?;
+    let corrected = detached(py, || mesh.inner.correct(&positions, target, &gamma, axes, shares)).map_err(refused)?;
     Ok(arrays::from_vectors(py, &corrected))
 }

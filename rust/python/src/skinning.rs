@@ -4,6 +4,7 @@ use numpy::PyArray2;
 use pyo3::prelude::*;
 use turgor::Mode;
 
+use crate::threads::detached;
 use crate::{TurgorError, arrays, refused};
 
 /// Bones at rest.
@@ -74,7 +75,7 @@ impl Skinning {
         let positions = arrays::vectors(positions, "positions")?;
         let pose = arrays::matrices(pose_matrices, "pose_matrices")?;
         let object = arrays::matrix(object_from_armature, "object_from_armature")?;
-        let skinned = py.detach(|| self.inner.deform(&positions, &pose, &object)).map_err(refused)?;
+        let skinned = detached(py, || self.inner.deform(&positions, &pose, &object)).map_err(refused)?;
         Ok(arrays::from_vectors(py, &skinned))
     }
 }

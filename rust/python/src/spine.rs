@@ -7,6 +7,7 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use turgor::{KnotFlags, Method, Parameters, Resolution};
 
+use crate::threads::detached;
 use crate::{TurgorError, arrays, refused};
 
 /// The open curve that drives fleshing.
@@ -33,7 +34,7 @@ fn normal_of(normal: Option<&Bound<'_, PyAny>>) -> PyResult<Option<DVec3>> {
 
 impl Spine {
     fn wrap(py: Python<'_>, make: impl FnOnce() -> turgor::Result<turgor::Spine> + Send) -> PyResult<Self> {
-        Ok(Self { inner: Arc::new(py.detach(make).map_err(refused)?) })
+        Ok(Self { inner: Arc::new(detached(py, make).map_err(refused)?) })
     }
 }
 
@@ -174,7 +175,7 @@ impl Spine {
 
     #[getter]
     fn deviation(&self, py: Python<'_>) -> f64 {
-        py.detach(|| self.inner.deviation())
+        detached(py, || self.inner.deviation())
     }
 
     #[getter]
@@ -205,7 +206,7 @@ impl Spine {
 
     fn closest(&self, py: Python<'_>, points: &Bound<'_, PyAny>) -> PyResult<ClosestPoints> {
         let points = arrays::vectors(points, "points")?;
-        Ok(ClosestPoints { rows: py.detach(|| self.inner.closest(&points)).map_err(refused)? })
+        Ok(ClosestPoints { rows: detached(py, || self.inner.closest(&points)).map_err(refused)? })
     }
 }
 

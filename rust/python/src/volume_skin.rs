@@ -12,6 +12,7 @@ use crate::mesh::Mesh;
 use crate::pose::{PerFrame, PoseData, PosesData};
 use crate::report::{Frame, Measures, RefinementNeed, Report};
 use crate::skinning::Skinning;
+use crate::threads::detached;
 use crate::{TurgorError, arrays, refused};
 
 /// A bound character.
@@ -42,7 +43,7 @@ impl VolumeSkin {
 
     /// Computes something in a workspace, without the interpreter.
     fn in_workspace<T: Send>(&self, py: Python<'_>, compute: impl FnOnce(&mut Workspace) -> turgor::Result<T> + Send) -> PyResult<T> {
-        py.detach(|| {
+        detached(py, || {
             let mut workspace = self.workspaces.take(&self.inner);
             let result = compute(&mut workspace);
             self.workspaces.give_back(workspace);
@@ -84,9 +85,9 @@ impl VolumeSkin {
         let object = arrays::matrix(object_from_armature, "object_from_armature")?;
         let joints = joint_settings(joints);
         let mesh = Arc::clone(&mesh.inner);
-        let inner = py
-            .detach(|| turgor::VolumeSkin::bind(mesh.topology(), mesh.rest(), &skinning.inner, &joints, options, &deltas, &object))
-            .map_err(refused)?;
+        let inner =
+            detached(py, || turgor::VolumeSkin::bind(mesh.topology(), mesh.rest(), &skinning.inner, &joints, options, &deltas, &object))
+                .map_err(refused)?;
         Ok(Self::wrap(inner, mesh))
     }
 
@@ -125,14 +126,14 @@ impl VolumeSkin {
             keep_bone_scale: keep_bone_scale.unwrap_or(bound.keep_bone_scale),
         };
         let joints = joint_settings(joints);
-        let inner = py.detach(|| self.inner.with_joints(&joints, options)).map_err(refused)?;
+        let inner = detached(py, || self.inner.with_joints(&joints, options)).map_err(refused)?;
         Ok(Self::wrap(inner, Arc::clone(&self.mesh)))
     }
 
     #[pyo3(signature = (mask))]
     fn with_mask(&self, py: Python<'_>, mask: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let mask = mask.map(|mask| arrays::floats(mask, "mask")).transpose()?;
-        let inner = py.detach(|| self.inner.with_mask(mask.as_deref())).map_err(refused)?;
+        let inner = detached(py, || self.inner.with_mask(mask.as_deref())).map_err(refused)?;
         Ok(Self { inner, mesh: Arc::clone(&self.mesh), workspaces: Arc::clone(&self.workspaces) })
     }
 
@@ -274,7 +275,7 @@ impl VolumeSkin {
         target_scale: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Measures> {
         let poses = PosesData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale)?;
-        let reports = py.detach(|| self.inner.measure(&poses.poses(), &self.workspaces)).map_err(refused)?;
+        let reports = detached(py, || self.inner.measure(&poses.poses(), &self.workspaces)).map_err(refused)?;
         let component_count = self.mesh.topology().components.len();
         Ok(Measures { reports, component_count, joint_count: self.inner.joint_bones().len() })
     }
@@ -302,7 +303,7 @@ impl VolumeSkin {
             pose.added_offsets = added_offsets.as_deref();
             pose.is_fleshed = fleshed.as_deref();
         }
-        let inner = py.detach(|| self.inner.refinement_need(&poses, &self.workspaces)).map_err(refused)?;
+        let inner = detached(py, || self.inner.refinement_need(&poses, &self.workspaces)).map_err(refused)?;
         Ok(RefinementNeed { inner })
     }
 
@@ -334,7 +335,7 @@ impl VolumeSkin {
         let positions = arrays::frames(py, positions, "positions", (poses.len(), self.mesh.rest().len()))?;
         let write = || {
             arrays::with_frames_mut(&positions, "positions", |rows| {
-                py.detach(|| self.inner.deform_many(&poses, &effects, rows, &self.workspaces)).map_err(refused)
+                detached(py, || self.inner.deform_many(&poses, &effects, rows, &self.workspaces)).map_err(refused)
             })
         };
         match fold_counts {

@@ -5,6 +5,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use turgor::{Bones, Error, Plane, Surface, Symmetry, WeightRows, WeightSettings};
 
+use crate::threads::detached;
 use crate::{CancelledError, TurgorError, arrays, refused};
 
 /// Weights of all meshes, and how they were found.
@@ -162,7 +163,7 @@ pub fn automatic_weights(
     };
     let symmetry = plane.map(|plane| Symmetry { plane, partners: partners.as_deref() });
     let settings = WeightSettings { resolution, falloff, smoothing, max_influences, symmetry };
-    let result = py.detach(|| turgor::automatic_weights(&surfaces, &bones, locked_weights.as_ref(), &settings, &mut report));
+    let result = detached(py, || turgor::automatic_weights(&surfaces, &bones, locked_weights.as_ref(), &settings, &mut report));
     if let Some(error) = raised {
         return Err(error);
     }
