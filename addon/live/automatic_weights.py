@@ -21,7 +21,7 @@ class Options:
 
     resolution: int = 0
     falloff: float = 12.0
-    smoothing: float = 0.8
+    smoothing: float = 0.83
     max_influences: int = 4
     use_symmetry: bool = False
     keep_locked: bool = True

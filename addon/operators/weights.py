@@ -43,8 +43,8 @@ class _Weights:
     )
     smoothing: FloatProperty(
         name="Smoothing",
-        description="How far the skin evens weights out, in distances to the nearest bone",
-        default=0.8,
+        description="Length over which weights pass from bone to bone, in distances to the nearest bone",
+        default=0.83,
         min=0.0,
         max=10.0,
         soft_max=2.0,

@@ -844,8 +844,8 @@ TEXTS: dict[str, str] = {
     "Falloff": "Abnahme",
     "How fast a bone's hold falls with distance": "Wie schnell der Halt eines Knochens mit dem Abstand abnimmt",
     "Smoothing": "Glättung",
-    "How far the skin evens weights out, in distances to the nearest bone": (
-        "Wie weit die Haut Gewichte ausgleicht, in Abständen zum nächsten Knochen"
+    "Length over which weights pass from bone to bone, in distances to the nearest bone": (
+        "Länge, über die Gewichte von Knochen zu Knochen übergehen, in Abständen zum nächsten Knochen"
     ),
     "Max Influences": "Höchstzahl der Einflüsse",
     "Bones that may hold a vertex; 0 for any number": "Knochen, die einen Punkt halten dürfen; 0 für beliebig viele",

@@ -26,6 +26,8 @@ class Case:
     law: Law
     # Scale of the mesh objects, which their vertices undo.
     scale: Sequence[float] = (1.0, 1.0, 1.0)
+    # The same body at a size that bone heat is made for: its motion is measured there.
+    at_size_one: Case | None = None
 
 
 def chain(*joints: Sequence[float], name: str = "Bone") -> Bones:
@@ -171,6 +173,9 @@ def two_characters() -> Case:
     return Case("two characters in one mesh", [first.joined(second)], bones, law)
 
 
+CLOSED = Case("closed", [arm()], ARM, follows_arm)
+
+
 def scaled(name: str, factor: float) -> Case:
     """The limb in another unit of length."""
 
@@ -180,7 +185,7 @@ def scaled(name: str, factor: float) -> Case:
     bones = {
         name: (factor * np.array(head, float), factor * np.array(tail, float)) for name, (head, tail) in ARM.items()
     }
-    return Case(name, [arm().moved(lambda p: factor * p)], bones, law)
+    return Case(name, [arm().moved(lambda p: factor * p)], bones, law, at_size_one=CLOSED)
 
 
 def stray() -> Shape:
@@ -189,7 +194,7 @@ def stray() -> Shape:
 
 
 CASES: tuple[Case, ...] = (
-    Case("closed", [arm()], ARM, follows_arm),
+    CLOSED,
     Case("open at one end", [arm(caps=1)], ARM, follows_arm),
     floating_cubes(),
     hat(),

@@ -19,7 +19,10 @@ FIGURES = ("volume_mean", "volume_worst", "edges_mean", "edges_worst")
 
 @dataclass(frozen=True)
 class Trial:
-    """One body, weighted both ways. results: what cases ask for, None for characters."""
+    """One body, weighted both ways. results: what cases ask for, None for characters.
+
+    strains: Blender's of the body at size one, where there is such a one.
+    """
 
     name: str
     vertex_count: int
@@ -129,6 +132,7 @@ class Report:
             "characters": {
                 trial.name: {way: asdict(strain) for way, strain in trial.strains.items()} for trial in self.characters
             },
+            "ratios": {trial.name: {figure: trial.ratio(figure) for figure in FIGURES} for trial in self.compared},
             "overall": {figure: self.overall(figure) for figure in FIGURES},
             "times": {
                 name: seconds | {"ratio": seconds[TURGOR] / seconds[BLENDER]} for name, seconds in self.times.items()

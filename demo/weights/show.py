@@ -14,7 +14,7 @@ from .page import page
 from .pictures import Gallery
 from .report import Report, Trial
 from .shapes import limb
-from .trial import WAYS, make, parent, weigh, weigh_again
+from .trial import BLENDER, WAYS, make, parent, weigh, weigh_again
 
 CHARACTERS = (
     "elephant",
@@ -46,6 +46,8 @@ def show(output: Path) -> None:
         picture = gallery.picture(number, case, {way: posed for way, (_, posed) in found.items()})
         results = {way: result for way, (result, _) in found.items()}
         strains = {way: result.strain for way, result in results.items()}
+        if case.at_size_one is not None:
+            strains[BLENDER] = weigh(case.at_size_one, BLENDER)[0].strain
         report.cases.append(Trial(case.name, next(iter(results.values())).vertex_count, strains, results, picture))
     for rings, sides, bones, resolution, turns in SIZES:
         voxels = f"{resolution} voxels" if resolution else "automatic"

@@ -39,9 +39,23 @@ def test_every_case_gets_good_weights(report: dict[str, Any]):
 
 
 def test_a_range_of_motion_costs_no_more_than_with_bone_heat(report: dict[str, Any]):
-    """Where bone heat works too; the median of all bodies."""
+    """Where bone heat works too: in the median of all bodies, and in each to 2.5 %, and never more of both."""
     assert set(report["characters"]) >= {"elephant", "giraffe", "four bone chain"}
     assert all(ratios["median"] <= 1.0 for ratios in report["overall"].values()), report["overall"]
+    assert len(report["ratios"]) > CASES
+    for name, ratios in report["ratios"].items():
+        volume, edges = ratios["volume_mean"], ratios["edges_mean"]
+        assert max(volume, edges) <= 1.025, (name, ratios)
+        assert min(volume, edges) < 1.0, (name, ratios)
+
+
+def test_the_unit_of_length_matters_to_bone_heat_only(report: dict[str, Any]):
+    def volume(name: str, way: str) -> float:
+        return report["cases"][name][way]["strain"]["volume_mean"]
+
+    assert volume("a millionth in size", "Blender") < 0.5 * volume("closed", "Blender")
+    for name in ("a millionth in size", "a million times the size"):
+        assert volume(name, "Turgor") == pytest.approx(volume("closed", "Turgor"), rel=1e-3), name
 
 
 def test_the_engine_takes_less_than_a_gigabyte(report: dict[str, Any]):

@@ -398,6 +398,16 @@ def test_skin_belongs_to_the_bone_that_it_wraps():
     assert (weights[x > 1.2, 1] > 0.95).all()
 
 
+def test_a_wall_inside_does_not_move_the_border_between_bones():
+    """Faces across the flesh say nothing of which way is in: both halves of a limb stay alike."""
+    rings, sides = 33, 20
+    plain = tube(rings=rings, sides=sides)
+    middle = rings // 2 * sides
+    walled = Surface(plain.positions, [*plain.faces, list(range(middle, middle + sides))])
+    w = Body([walled], *limb_bones(2)).matrix()[: rings * sides, 1].reshape(rings, sides)
+    np.testing.assert_allclose(w + w[::-1], 1.0, atol=0.01)
+
+
 def test_clothes_hardly_change_the_weights_of_the_skin_below():
     skin = tube(rings=41, sides=16)
     for is_solid in (True, False):

@@ -149,8 +149,8 @@ pub struct OrientedFaces {
     pub faces: Csr<u32>,
     /// Shell of each of `faces`.
     pub shell_of_face: Vec<u32>,
-    /// Shells, one without faces left among them.
-    pub shell_count: usize,
+    /// Per shell, whether no edge has more than two faces; shells without faces left are among them.
+    pub is_manifold: Vec<bool>,
 }
 
 impl OrientedFaces {
@@ -170,8 +170,8 @@ impl OrientedFaces {
             faces.push_row(corners);
             shell_of_face.push(surface.component_of_face[face]);
         }
-        let shell_count = surface.component_count;
-        Ok(Self { point_of_vertex: welding.point_of_vertex, points, faces, shell_of_face, shell_count })
+        let is_manifold = surface.status.iter().map(|&status| status != Status::NonManifold).collect();
+        Ok(Self { point_of_vertex: welding.point_of_vertex, points, faces, shell_of_face, is_manifold })
     }
 }
 

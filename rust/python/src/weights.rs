@@ -101,9 +101,9 @@ fn read_rows(value: &Bound<'_, PyAny>) -> PyResult<WeightRows> {
 
 #[pyfunction]
 #[pyo3(signature = (
-    meshes, bone_heads, bone_tails, *, bone_parents=None, resolution=None, falloff=12.0, smoothing=0.8, max_influences=Some(4),
+    meshes, bone_heads, bone_tails, *, bone_parents=None, resolution=None, falloff=12.0, smoothing=0.83, max_influences=Some(4),
     stiffness=None, is_solid=None, is_locked=None, locked_weights=None, symmetry_plane=None, mirrored_bones=None, progress=None
-), text_signature = "(meshes, bone_heads, bone_tails, *, bone_parents=None, resolution=None, falloff=12.0, smoothing=0.8, \
+), text_signature = "(meshes, bone_heads, bone_tails, *, bone_parents=None, resolution=None, falloff=12.0, smoothing=0.83, \
     max_influences=4, stiffness=None, is_solid=None, is_locked=None, locked_weights=None, symmetry_plane=None, mirrored_bones=None, progress=None)")]
 #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
 pub fn automatic_weights(

@@ -839,7 +839,7 @@ def automatic_weights(
     bone_parents: ArrayLike | None = None,
     resolution: int | None = None,
     falloff: float = 12.0,
-    smoothing: float = 0.8,
+    smoothing: float = 0.83,
     max_influences: int | None = 4,
     stiffness: ArrayLike | None = None,
     is_solid: ArrayLike | None = None,
@@ -862,8 +862,8 @@ def automatic_weights(
     resolution: voxels along the longest side of the body, 8 to 1024; None: as many as the body needs. Parts two voxels
         apart are apart.
     falloff: exponent by which a bone's hold falls with distance, 0.5 to 32; larger is sharper.
-    smoothing: length over which the skin evens weights out, in distances to the nearest bone, taken in the
-        flesh, 0 to 10.
+    smoothing: length over which weights pass from bone to bone, in distances to the nearest bone, taken in the
+        flesh, 0 to 10; 0: as they follow from distances.
     max_influences: bones per vertex; None: any number. Weights fade towards the limit, none is cut off.
     stiffness: (B,) > 0, a bone of 2 holds as if it were at half the distance; None: 1.
     is_solid: (M,) which meshes are the body; the others (clothes) take from its nearest place; None: all.

@@ -1,7 +1,8 @@
 //! Heat flows over the skin: weights are evened out over a length that is given per point.
 //!
-//! One implicit step, (M/ℓ² + L) w = M/ℓ² w₀: exact for constants, so that sums stay 1, and without new extremes. One sparse
-//! Cholesky factor serves all bones.
+//! Two implicit steps, (2M/ℓ² + L) w = 2M/ℓ² w₀: exact for constants, so that sums stay 1, and without new extremes. One alone
+//! leaves a crest in the slope of a step, two take less volume at the same stretch. One sparse Cholesky factor serves both, and
+//! all bones.
 
 use faer::linalg::solvers::SolveCore;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
@@ -14,13 +15,15 @@ use crate::error::Result;
 
 /// Columns that are solved together. Fixed: results never depend on the number of threads.
 const COLUMNS: usize = 8;
+/// Steps, each over a length of ℓ/√STEPS.
+const STEPS: usize = 2;
 /// Mass of points that have none, against the mean: they follow their neighbours.
 const LEAST_MASS: f64 = 1e-9;
 
 /// The factor of one surface.
 pub struct Diffusion {
     factor: Llt<u32, f64>,
-    /// M/ℓ², with the middles of polygons.
+    /// 2M/ℓ², with the middles of polygons.
     hold: Vec<f64>,
     laplacian: Laplacian,
     count: usize,
@@ -38,7 +41,7 @@ impl Diffusion {
             .masses
             .iter()
             .zip(lengths)
-            .map(|(&mass, length)| if mean > 0.0 { mass.max(LEAST_MASS * mean) / (length * length) } else { 1.0 })
+            .map(|(&mass, length)| if mean > 0.0 { STEPS as f64 * mass.max(LEAST_MASS * mean) / (length * length) } else { 1.0 })
             .collect();
         let mut diagonal = hold.clone();
         let mut entries = Vec::with_capacity(size + laplacian.edges.len());
@@ -73,19 +76,56 @@ impl Diffusion {
         let mut values = Vec::with_capacity(size * filled.len());
         for column in &filled {
             let start = values.len();
-            values.extend(column.iter().zip(&self.hold).map(|(&w, hold)| f64::from(w) * hold));
-            for (corners, hold) in self.laplacian.polygons.rows().zip(&self.hold[self.count..]) {
+            values.extend(column.iter().map(|&w| f64::from(w)));
+            for corners in self.laplacian.polygons.rows() {
                 let mean = corners.iter().map(|&p| f64::from(column[p as usize])).sum::<f64>() / corners.len() as f64;
-                values.push(mean * hold);
+                values.push(mean);
             }
             debug_assert_eq!(values.len() - start, size);
         }
-        let right = MatMut::from_column_major_slice_mut(&mut values, size, filled.len());
-        self.factor.solve_in_place_with_conj(Conj::No, right);
+        for _ in 0..STEPS {
+            for column in values.chunks_mut(size) {
+                column.iter_mut().zip(&self.hold).for_each(|(value, hold)| *value *= hold);
+            }
+            let right = MatMut::from_column_major_slice_mut(&mut values, size, filled.len());
+            self.factor.solve_in_place_with_conj(Conj::No, right);
+        }
         for (column, values) in filled.iter_mut().zip(values.chunks(size)) {
             for (w, value) in column.iter_mut().zip(values) {
                 *w = value.max(0.0) as f32;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::csr::Csr;
+
+    #[test]
+    fn a_step_gets_the_width_asked_for_at_less_volume_and_stretch_than_an_exponential() {
+        // A strip of squares along x, the step in its middle.
+        let (count, length) = (400u32, 12.0);
+        let points: Vec<DVec3> = (0..2 * count).map(|i| DVec3::new(f64::from(i / 2), f64::from(i % 2), 0.0)).collect();
+        let mut faces = Csr::default();
+        for i in 0..count - 1 {
+            faces.push_row([2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1]);
+        }
+        let diffusion = Diffusion::new(Laplacian::new(&points, &faces), &vec![length; points.len()]).expect("numbers are sound");
+        let mut column: Vec<f32> = (0..2 * count).map(|i| f32::from(u8::from(i / 2 >= count / 2))).collect();
+        diffusion.run(&mut column, |_| Ok(())).expect("nothing cancels");
+        let w: Vec<f64> = column.iter().step_by(2).map(|&w| f64::from(w)).collect();
+        let slope = |pair: &[f64]| pair[1] - pair[0];
+        let middle = f64::from(count / 2) - 0.5;
+        let moment: f64 = w.windows(2).enumerate().map(|(i, pair)| slope(pair) * (i as f64 + 0.5 - middle).powi(2)).sum();
+        assert!(((0.5 * moment).sqrt() / length - 1.0).abs() < 0.01);
+        // 175/1024 for two steps, 3/16 for one.
+        let volume: f64 = w.iter().map(|w| w * (1.0 - w)).sum();
+        let stretch: f64 = w.windows(2).map(|pair| slope(pair).powi(2)).sum();
+        assert!((volume * stretch - 175.0 / 1024.0).abs() < 1e-3, "{}", volume * stretch);
+        assert!(w.windows(2).all(|pair| slope(pair) > -1e-6));
     }
 }

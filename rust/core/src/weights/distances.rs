@@ -24,6 +24,8 @@ const SLACK: f32 = 6.0;
 /// Distances in voxels, a column per bone.
 pub struct Distances {
     pub columns: Vec<f32>,
+    /// How deep under the skin they were taken, per point.
+    pub depths: Vec<f32>,
     /// Per shell, whether a bone reaches it inside of the body.
     pub is_reached: Vec<bool>,
     pub memory_bytes: usize,
@@ -54,7 +56,7 @@ impl Distances {
         front.spread(voxels, &starts.concat(), None);
         let viewers: Vec<u32> = skin.shell_of_point.iter().map(|&shell| voxels.viewer(shell)).collect();
         let sampler = Sampler::new(voxels, &reached_parts, &front.distances);
-        let places = inset::places(solid, skin, &sampler.rows(&solid.points, &viewers), &front.distances, &viewers);
+        let (places, depths) = inset::places(solid, skin, &sampler.rows(&solid.points, &viewers), &front.distances, &viewers);
         let rows = sampler.rows(&places, &viewers);
         drop(sampler);
         step(0.1)?;
@@ -83,8 +85,12 @@ impl Distances {
             step(0.1 + 0.9 * ((first + 1) * batch).min(bones.len()) as f64 / bones.len() as f64)?;
         }
         let fronts = batch * voxels.len() * 4 * size_of::<f32>();
-        let memory_bytes = size_of_val(&*columns) + rows.memory_bytes() + fronts + starts.iter().map(|s| size_of_val(&**s)).sum::<usize>();
-        Ok(Self { columns, is_reached: solid.shells_in(&reached_parts), memory_bytes })
+        let memory_bytes = size_of_val(&*columns)
+            + size_of_val(&*depths)
+            + rows.memory_bytes()
+            + fronts
+            + starts.iter().map(|s| size_of_val(&**s)).sum::<usize>();
+        Ok(Self { columns, depths, is_reached: solid.shells_in(&reached_parts), memory_bytes })
     }
 
     /// Straight distances, where there is no body at all.
@@ -96,7 +102,7 @@ impl Distances {
             }
         }
         let memory_bytes = size_of_val(&*columns);
-        Self { columns, is_reached: vec![false; shell_count], memory_bytes }
+        Self { columns, depths: vec![0.0; points.len()], is_reached: vec![false; shell_count], memory_bytes }
     }
 }
 

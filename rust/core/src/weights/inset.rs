@@ -19,12 +19,14 @@ const PROBE: f64 = 1.5;
 const STEP: f64 = 0.5;
 /// Part of a shell's area, and of the angle about a point, by which faces must agree on the side where the flesh is.
 const AGREEMENT: f64 = 0.1;
+/// What a face with flesh on both sides has to say where an edge has more than two faces, against one with flesh on one.
+const LEAST_SAY: f64 = 0.1;
 /// Places per parallel piece.
 const CHUNK: usize = 1024;
 
-/// One place per point of the skin. `rows` are the voxels that the points see, `nearest` per voxel the distance to the
+/// One place per point of the skin, and its depth under it. `rows` are the voxels that the points see, `nearest` per voxel the distance to the
 /// nearest bone, `viewers` how the points look at them. Skin without an inside stays where it is; what hovers takes the place of the skin below it.
-pub fn places(solid: &Solid, skin: &Skin, rows: &Csr<(u32, f32)>, nearest: &[f32], viewers: &[u32]) -> Vec<DVec3> {
+pub fn places(solid: &Solid, skin: &Skin, rows: &Csr<(u32, f32)>, nearest: &[f32], viewers: &[u32]) -> (Vec<DVec3>, Vec<f32>) {
     let inward = inward(solid, skin);
     let voxels = &solid.voxels;
     let place = |point: usize| {
@@ -35,9 +37,10 @@ pub fn places(solid: &Solid, skin: &Skin, rows: &Csr<(u32, f32)>, nearest: &[f32
         let hovering = (voxels.least_distance(row, p) - 1.0).clamp(0.0, 1.0);
         let from = p + hovering * (mean - p);
         let along = (1.0 - hovering) * inward[point] + hovering * (mean - p).normalize_or_zero();
-        from + depth(voxels, viewers[point], nearest, (from, to_bone), along) * along
+        let depth = depth(voxels, viewers[point], nearest, (from, to_bone), along);
+        (from + depth * along, depth as f32)
     };
-    (0..solid.points.len()).into_par_iter().with_min_len(CHUNK).map(place).collect()
+    (0..solid.points.len()).into_par_iter().with_min_len(CHUNK).map(place).unzip()
 }
 
 /// Per point the direction in which its flesh is, of length 1; shorter to 0 where it is on no side. Which way a shell is
@@ -57,15 +60,17 @@ fn inward(solid: &Solid, skin: &Skin) -> Vec<DVec3> {
     let mut votes = vec![(0.0, 0.0); skin.is_solid.len()];
     let mut sums = vec![(DVec3::ZERO, 0.0); solid.points.len()];
     for ((corners, &shell), &(area, side)) in skin.faces.rows().zip(&skin.shell_of_face).zip(&areas) {
+        let least_say = if skin.is_manifold[shell as usize] { 1.0 } else { LEAST_SAY };
         let (vote, whole) = &mut votes[shell as usize];
         *vote += side * area.length();
         *whole += area.length();
         let at = |i: usize| solid.points[corners[i % corners.len()] as usize];
         for (i, &point) in corners.iter().enumerate() {
-            // By angles: the direction does not depend on how large the faces about a point are.
-            let angle = angle_between(at(i + 1) - at(i), at(i + corners.len() - 1) - at(i));
-            sums[point as usize].0 += angle * area.normalize_or_zero();
-            sums[point as usize].1 += angle;
+            // By angles: the direction does not depend on how large the faces about a point are. A wall inside of the flesh
+            // does not turn the direction of the skin that it meets.
+            let say = side.abs().max(least_say) * angle_between(at(i + 1) - at(i), at(i + corners.len() - 1) - at(i));
+            sums[point as usize].0 += say * area.normalize_or_zero();
+            sums[point as usize].1 += say;
         }
     }
     let direction = |(&(sum, whole), &shell): (&(DVec3, f64), &u32)| match votes.get(shell as usize) {

@@ -42,8 +42,6 @@ use solid::Solid;
 
 /// Voxels along the longest side of the body.
 const RESOLUTIONS: std::ops::RangeInclusive<usize> = 8..=1024;
-/// Shortest length of diffusion, in voxels: steps of the voxels do not show.
-const LEAST_LENGTH: f64 = 1.0;
 
 /// Bones as straight pieces, in the space of the surfaces.
 #[derive(Debug, Clone, Copy)]
@@ -76,7 +74,8 @@ pub struct WeightSettings<'a> {
     pub resolution: Option<usize>,
     /// How fast a bone's hold falls with distance: its exponent.
     pub falloff: f64,
-    /// Length over which the skin evens weights out, as a part of the distance to the nearest bone from under the skin.
+    /// Length over which weights pass from bone to bone, as a part of the distance to the nearest bone: half of the way there
+    /// from the skin, by the place in the flesh where bones are compared.
     pub smoothing: f64,
     /// Influences that a vertex may have; None: any number.
     pub max_influences: Option<usize>,
@@ -86,7 +85,7 @@ pub struct WeightSettings<'a> {
 
 impl Default for WeightSettings<'_> {
     fn default() -> Self {
-        Self { resolution: None, falloff: 12.0, smoothing: 0.8, max_influences: Some(4), symmetry: None }
+        Self { resolution: None, falloff: 12.0, smoothing: 0.83, max_influences: Some(4), symmetry: None }
     }
 }
 
@@ -137,7 +136,7 @@ pub fn automatic_weights(
     let solid = Solid::new(&skin, bones, &segments, settings.resolution, settings.symmetry.as_ref().map(|s| &s.plane));
     step(0.0, 0.1, 1.0)?;
 
-    let Distances { mut columns, is_reached, memory_bytes } = if let Some(solid) = &solid {
+    let Distances { mut columns, depths, is_reached, memory_bytes } = if let Some(solid) = &solid {
         let stiffness = |pick: fn(f64, f64) -> f64, start| bones.stiffness.map_or(1.0, |s| s.iter().copied().fold(start, pick));
         // The nearest bone may be the least stiff one, and another the most stiff.
         let spread = stiffness(f64::max, 0.0) / stiffness(f64::min, f64::INFINITY);
@@ -150,7 +149,8 @@ pub fn automatic_weights(
     let stiffness: Vec<f64> = free.iter().map(|&b| bones.stiffness.map_or(1.0, |s| s[b as usize])).collect();
     let nearest = initial::weights_from_distances(&mut columns, count, &stiffness, settings.falloff);
     if let Some(solid) = solid.as_ref().filter(|_| settings.smoothing > 0.0) {
-        let lengths: Vec<f64> = nearest.iter().map(|&d| (settings.smoothing * f64::from(d)).max(LEAST_LENGTH)).collect();
+        let lengths: Vec<f64> =
+            nearest.iter().zip(&depths).map(|(&d, &depth)| initial::length_left(settings.smoothing, d, depth)).collect();
         if let Some(diffusion) = Diffusion::new(Laplacian::new(&solid.points, &skin.faces), &lengths) {
             step(0.7, 0.8, 1.0)?;
             diffusion.run(&mut columns, |part| step(0.8, 0.95, part))?;

@@ -34,12 +34,14 @@ pub struct Skin {
     pub shell_of_point: Vec<u32>,
     /// Per shell, whether it is part of the body.
     pub is_solid: Vec<bool>,
+    /// Per shell, whether no edge has more than two faces.
+    pub is_manifold: Vec<bool>,
 }
 
 impl Skin {
     pub fn new(surfaces: &[Surface]) -> Result<Self> {
         let (mut point_of_vertex, mut points, mut faces) = (Vec::new(), Vec::new(), Csr::default());
-        let (mut shell_of_face, mut is_solid) = (Vec::new(), Vec::new());
+        let (mut shell_of_face, mut is_solid, mut is_manifold) = (Vec::new(), Vec::new(), Vec::new());
         for surface in surfaces {
             let oriented = OrientedFaces::new(surface.positions, surface.face_offsets, surface.face_corners, WELD_TOLERANCE)?;
             let (first_point, first_shell) = (points.len() as u32, is_solid.len() as u32);
@@ -49,7 +51,8 @@ impl Skin {
                 faces.push_row(face.iter().map(|point| first_point + point));
             }
             shell_of_face.extend(oriented.shell_of_face.iter().map(|shell| first_shell + shell));
-            is_solid.resize(is_solid.len() + oriented.shell_count, surface.is_solid);
+            is_manifold.extend(oriented.is_manifold);
+            is_solid.resize(is_manifold.len(), surface.is_solid);
         }
         let mut shell_of_point = vec![NO_SHELL; points.len()];
         for (face, &shell) in faces.rows().zip(&shell_of_face) {
@@ -57,7 +60,7 @@ impl Skin {
                 shell_of_point[point as usize] = shell;
             }
         }
-        Ok(Self { point_of_vertex, points, faces, shell_of_face, shell_of_point, is_solid })
+        Ok(Self { point_of_vertex, points, faces, shell_of_face, shell_of_point, is_solid, is_manifold })
     }
 
     /// Faces of each shell.
