@@ -127,6 +127,7 @@ class Character:
     name: str = ""  # of the object, when it was last evaluated
     body: Any = None  # live.binding.Bound, live.spine_binding.Bound
     signature: tuple[object, ...] = ()
+    settled: Any = None  # settings of the last frame, live.engines.Settled
     # What the last bind found, and the state of the stack around ours; why the last frame failed.
     bind_findings: tuple[Finding, ...] = ()
     mask_findings: tuple[Finding, ...] = ()

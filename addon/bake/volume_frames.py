@@ -42,7 +42,7 @@ class VolumeFrames:
             if not modifier.show_viewport:
                 raise BakeError(f"{modifier.name} of {target.name} is off in the viewport: turn it on")
         self._target = target
-        self._bound = known.body
+        self._known, self._bound = known, known.body
         self.end = armature
         self.own = ours
         self.bound_frame = target.turgor.bound_frame
@@ -87,21 +87,12 @@ class VolumeFrames:
 
     def samples(self, frames: NDArray[np.float64]) -> Iterator[Sample]:
         """Main thread only; the scene stays as it is."""
-        alike = None
-        may_move = settings.may_move(self._target, modifier_inputs.input_path(self.own, node_group.STRENGTH))
         for evaluated in pose_samples.evaluated_apart(self._target, frames):
-            sample = self._read(evaluated, alike)
-            yield sample
-            alike = None if may_move else sample
+            yield self._read(evaluated)
 
-    def _read(self, evaluated: bpy.types.Object, alike: Sample | None) -> Sample:
-        modifiers = evaluated.modifiers
-        if alike is None:
-            strength = float(modifier_inputs.read_input(modifiers[self.own.name], node_group.STRENGTH))
-            request = live_frame.read(evaluated, self._bound)
-        else:
-            strength = alike.effect
-            request = live_frame.read_alike(evaluated, modifiers[self.end.name].object, self._bound, alike.request)
+    def _read(self, evaluated: bpy.types.Object) -> Sample:
+        strength = float(modifier_inputs.read_input(evaluated.modifiers[self.own.name], node_group.STRENGTH))
+        request = live_frame.read(evaluated, self._known, self._bound)
         asked = request.options
         if self.repairs_folds:
             asked["repair_folds"] = True
@@ -118,7 +109,7 @@ class VolumeFrames:
             request = sample.request
             if before is None or request.engine is not before.engine:
                 arrays.append(self._tested(request.engine))
-            if before is None or request.saved is not before.saved:
+            if before is None or not _is_same(request.saved, before.saved):
                 for value in _flat(request.saved):
                     (arrays if isinstance(value, np.ndarray) else words).append(value)
             before = request
@@ -153,6 +144,10 @@ def _flat(value: object) -> Iterator[object]:
             yield from _flat(part)
     else:
         yield value
+
+
+def _is_same(a: settings.BodySettings, b: settings.BodySettings) -> bool:
+    return a is b or all(np.array_equal(x, y) for x, y in zip(_flat(a), _flat(b), strict=True))
 
 
 def _kind(sample: Sample) -> tuple[int, bool]:

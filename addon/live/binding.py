@@ -166,6 +166,7 @@ def _bind(target: bpy.types.Object, before: Bound | None, accept_topology: bool)
     if mask is not None or made.mask is not None:
         made = made.masked(mask)
     if is_editable(target):
+        target.turgor.settled = 0
         _prepare_scene(target, armature.object, bones, made)
     fleshed = _fleshed(target, bones)
     rig, curves = armature.object.session_uid, profiles.read(target)

@@ -12,11 +12,9 @@ import turgor
 from numpy.typing import NDArray
 
 from .. import runtime
-from ..logic import figures, joints
-from ..logic.profiles import Profiles, Tables
-from ..properties.profiles import PRESET_NAMES
+from ..logic import figures
 from ..scene import frame, settings
-from . import findings, spine_frame
+from . import engines, findings, spine_frame
 from .binding import Bound
 from .guard import guarded
 
@@ -49,41 +47,27 @@ class Request(NamedTuple):
     saved: settings.BodySettings
 
 
-def read(target: bpy.types.Object, bound: Bound) -> Request:
+def read(target: bpy.types.Object, known: runtime.Character, bound: Bound) -> Request:
     """Of the evaluated `target`. Raises what says why it cannot be read."""
-    inputs = frame.read_frame(target)
-    saved = settings.read_settings(target)
-    pose_matrices, options = _asked(target, bound, inputs, saved)
-    engine = engine_of(target, saved, bound)
-    return Request(engine, pose_matrices, options, bound.body.joint_strengths, saved)
-
-
-def read_alike(target: bpy.types.Object, rig: bpy.types.Object, bound: Bound, other: Request) -> Request:
-    """The same, both evaluated, where settings are those of another frame: they are not read again."""
-    pose_matrices, options = _asked(target, bound, frame.read_inputs(target, rig), other.saved)
-    return Request(other.engine, pose_matrices, options, other.strengths, other.saved)
-
-
-def _asked(
-    target: bpy.types.Object, bound: Bound, inputs: frame.FrameInputs, saved: settings.BodySettings
-) -> tuple[NDArray[np.float32], dict[str, Any]]:
+    now = engines.settled(target, known, bound)
+    inputs = frame.read_inputs(target, target.modifiers[now.armature].object)
     try:
         pose_matrices = inputs.pose_matrices[bound.bones.pose_indices]
     except IndexError:
         raise frame.FrameError("Bones were removed from the armature: leave its edit mode, or press Rebind") from None
-    options = {"object_from_armature": inputs.object_from_armature, "target_scale": saved.target_volume}
+    options = {"object_from_armature": inputs.object_from_armature, "target_scale": now.saved.target_volume}
     if len(inputs.shape_values):
         options["shape_values"] = inputs.shape_values
     if bound.fleshed is not None and (added := spine_frame.added_offsets(target, bound.body.vertex_count)) is not None:
         options |= {"added_offsets": added, "fleshed": bound.fleshed}
-    if saved.repair_folds:
+    if now.saved.repair_folds:
         options["repair_folds"] = True
-    return pose_matrices, options
+    return Request(now.engine, pose_matrices, options, now.strengths, now.saved)
 
 
 def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, address: int) -> None:
     started = perf_counter()
-    asked = read(target, bound)
+    asked = read(target, known, bound)
     ready = perf_counter()
     report = asked.engine.deform_into_address(address, bound.body.vertex_count, asked.pose_matrices, **asked.options)
     done = perf_counter()
@@ -99,7 +83,7 @@ def observe(target: bpy.types.Object) -> None:
     if bound is None:
         return
     try:
-        asked = read(target, bound)
+        asked = read(target, known, bound)
     except Exception:  # said in the panel when the modifier is on
         known.measure = known.inspect = None
         return
@@ -118,56 +102,6 @@ def _remember(
     known.measure = measure = runtime.Once(lambda: _figures(report(), bound, asked))
     uid = target.original.session_uid
     known.inspect = runtime.Once(lambda: _inspect(known, uid, measure(), bound, asked.strengths))
-
-
-def engine_of(target: bpy.types.Object, saved: settings.BodySettings, bound: Bound) -> turgor.VolumeSkin:
-    """The engine under these settings of the character; the same object while they are equal."""
-    return bound.body.with_settings(
-        settings_key(saved, bound),
-        lambda: _joints(target, saved, bound),
-        saved.solver.lower(),
-        saved.keep_bone_scale,
-    )
-
-
-def settings_key(saved: settings.BodySettings, bound: Bound) -> object:
-    """Equal while the engine is."""
-    arrays = tuple(array.tobytes() for array in saved.joints)
-    return arrays, saved.seconds, saved.solver, saved.keep_bone_scale, bound.curves.stamps
-
-
-def _joints(target: bpy.types.Object, saved: settings.BodySettings, bound: Bound) -> list[turgor.Joint]:
-    index = {name: number for number, name in enumerate(bound.bones.names)}
-    arrays, tables = saved.joints, bound.curves.tables
-    strengths = joints.effective_strengths(arrays.strengths, arrays.is_muted, arrays.is_solo)
-    found = []
-    for place, name in enumerate(settings.joint_names(target)):
-        if name not in index:
-            continue
-        first = Profiles(
-            PRESET_NAMES[arrays.presets[place]],
-            PRESET_NAMES[arrays.curve_sources[place]],
-            None if arrays.use_auto_shares[place] else tuple(arrays.shares[place].tolist()),
-            tables.get((place, False)),
-        )
-        second = saved.seconds.get(place)
-        by_value = arrays.blend_modes[place] == settings.BLEND_BY_VALUE
-        joint = joints.JointSettings(
-            index[name],
-            float(strengths[place]),
-            float(arrays.sizes[place]),
-            first,
-            None if second is None else _second(second, tables.get((place, True))),
-            float(arrays.blends[place]) if by_value else None,
-            float(arrays.fold_losses[place]),
-        )
-        found.append(joints.engine_joint(joint))
-    return found
-
-
-def _second(saved: settings.SecondSet, tables: Tables | None) -> Profiles:
-    shares = None if saved.use_auto_shares else saved.shares
-    return Profiles(saved.preset, saved.curve_source, shares, tables)
 
 
 def _figures(report: turgor.Report, bound: Bound, asked: Request) -> runtime.Figures:

@@ -21,7 +21,7 @@ from ..logic.refined_region import Need, Options, Region, surface
 from ..logic.refinement import Refinement
 from ..messages import message
 from ..scene import face_origins, refined_mesh, settings, spine_stack, stack
-from . import binding, frame, sampling, spine_binding, strokes
+from . import binding, engines, sampling, spine_binding, strokes
 from .binding import Bound
 from .sampling import Sample
 
@@ -237,7 +237,7 @@ def _state(target: bpy.types.Object, bound: Bound) -> object:
     return (
         bound.content,
         None if mask is None else mask.tobytes(),
-        frame.settings_key(saved, bound),
+        engines.settings_key(saved, bound),
         saved.target_volume,
         tuple(sampling.scene_frames(bpy.context.scene)),
     )

@@ -19,7 +19,7 @@ from ..logic import range_of_motion
 from ..scene import frame, pose_samples, settings, shape_keys, stack
 from . import binding, spine_frame
 from .binding import Bound
-from .frame import engine_of
+from .engines import engine_of
 
 # What looking at a motion takes at most where nobody asked for it, about a second: vertices times poses, and poses.
 QUICK_VERTEX_POSES = 2e7
@@ -82,8 +82,7 @@ def samples(
         if bound.fleshed is not None:
             added = spine_frame.added_offsets(evaluated, bound.body.vertex_count)
         yield Sample(
-            engine_of(evaluated, saved, bound),
-            bound.body.joint_strengths,
+            *engine_of(evaluated, saved, bound),
             saved.target_volume,
             inputs.pose_matrices[bound.bones.pose_indices],
             inputs.object_from_armature,
@@ -96,13 +95,13 @@ def samples(
 def turned(target: bpy.types.Object, bound: Bound) -> Iterator[Sample]:
     """Each joint turned in turn."""
     saved = settings.read_settings(target)
-    engine = engine_of(target, saved, bound)
+    engine, strengths = engine_of(target, saved, bound)
     joints = bound.body.joint_bones
     groups = max(_quick_poses(bound) // range_of_motion.TURNS_PER_JOINT, 1)
     poses = range_of_motion.poses(bound.bones.parents.tolist(), bound.bones.rest_matrices, joints, groups)
     shape_values = np.zeros_like(shape_keys.read_values(target))
     for pose in poses:
-        yield Sample(engine, bound.body.joint_strengths, 1.0, pose, bound.placement, shape_values, None)
+        yield Sample(engine, strengths, 1.0, pose, bound.placement, shape_values, None)
 
 
 def batches(poses: Iterable[Sample]) -> Iterator[list[Sample]]:

@@ -26,7 +26,7 @@ def look(ob: bpy.types.Object) -> Shown | None:
         return None
     target = ob.evaluated_get(bpy.context.view_layer.depsgraph)
     try:
-        asked = frame.read(target, bound)
+        asked = frame.read(target, known, bound)
         strength = _strength(target)
     except ValueError:  # the frame itself says so, in the panel
         return None

@@ -67,11 +67,6 @@ class Body:
         return self._current[1]
 
     @property
-    def joint_strengths(self) -> NDArray[np.float64]:
-        """(J,) of the last frame's settings, in the order of `joint_bones`."""
-        return self._current[2]
-
-    @property
     def vertex_count(self) -> int:
         """Vertices of the stack after the Armature."""
         return self._bound.mesh.vertex_count
@@ -113,14 +108,17 @@ class Body:
 
     def with_settings(
         self, key: object, joints: Callable[[], Sequence[turgor.Joint]], solver: Solver, keep_bone_scale: bool
-    ) -> turgor.VolumeSkin:
-        """The engine for these settings. key: changes whenever any of the settings does."""
-        known_key, engine, _ = self._current
-        if known_key != key:
+    ) -> tuple[turgor.VolumeSkin, NDArray[np.float64]]:
+        """The engine for these settings, and (J,) strengths in the order of `joint_bones`.
+
+        key: changes whenever any of the settings does.
+        """
+        current = self._current
+        if current[0] != key:
             chosen = joints()
             engine = self._bound.with_joints(chosen, solver=solver, keep_bone_scale=keep_bone_scale)
-            self._current = (key, engine, self._strengths(chosen))
-        return engine
+            self._current = current = (key, engine, self._strengths(chosen))
+        return current[1:]
 
     def _strengths(self, joints: Sequence[turgor.Joint]) -> NDArray[np.float64]:
         of_bone = {joint.bone: joint.strength for joint in joints}

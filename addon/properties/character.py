@@ -102,5 +102,7 @@ class TurgorObject(bpy.types.PropertyGroup):
     bound_frame: IntProperty(override=OVERRIDABLE, options={"HIDDEN"})
     bound_topology: StringProperty(override=OVERRIDABLE, options={"HIDDEN"})
     bound_placement: FloatVectorProperty(size=16, default=(0.0,) * 16, override=OVERRIDABLE, options={"HIDDEN"})
+    # 0 but in evaluated copies: there the number of the settings that were read from it, see `live.engines`.
+    settled: IntProperty(options={"HIDDEN"})
     curves: PointerProperty(type=bpy.types.ShaderNodeTree, override=OVERRIDABLE)
     carrier: PointerProperty(type=TurgorCarrier, override=OVERRIDABLE)

@@ -35,11 +35,16 @@ def read_inputs(target: bpy.types.Object, rig: bpy.types.Object) -> FrameInputs:
 
 def rig_of(target: bpy.types.Object) -> bpy.types.Object:
     """The armature's object, evaluated if the character is."""
+    return target.modifiers[armature_place(target)].object
+
+
+def armature_place(target: bpy.types.Object) -> int:
+    """Place in the stack of the Armature that moves the character."""
     armature = stack.armature_modifier(target)
     if armature is None or armature.object is None:
         found = obstacles.obstacle(target)
         raise FrameError("No armature" if found is None else found.text)
-    return armature.object
+    return list(target.modifiers).index(armature)
 
 
 def read_pose(rig: bpy.types.Object) -> NDArray[np.float32]:

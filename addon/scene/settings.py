@@ -78,13 +78,13 @@ def read_settings(target: bpy.types.Object) -> BodySettings:
     return BodySettings(arrays, seconds, saved.solver, saved.keep_bone_scale, saved.target_volume, saved.repair_folds)
 
 
-def may_move(target: bpy.types.Object, *others: str) -> bool:
-    """Whether keyframes or drivers of the object may change them, or properties at `others`, from frame to frame."""
+def may_move(target: bpy.types.Object) -> bool:
+    """Whether keyframes or drivers of the object may change them from frame to frame."""
     animation = target.animation_data
     if animation is None:
         return False
     has_keys = animation.action is not None or len(animation.nla_tracks) > 0
-    return has_keys or any(curve.data_path.startswith(("turgor.", *others)) for curve in animation.drivers)
+    return has_keys or any(curve.data_path.startswith("turgor.") for curve in animation.drivers)
 
 
 def _read_second(profiles: bpy.types.PropertyGroup) -> SecondSet:

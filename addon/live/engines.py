@@ -1,0 +1,107 @@
+"""The engine of a character under the settings of a frame.
+
+Blender evaluates copies of objects, and makes a copy anew whenever anything of its object was edited. What was read
+from a copy is marked in the copy itself, by a number: while the number is there, the settings are those. Keyframes and
+drivers write into a copy that stays: where they may move settings, it is not marked and is read on every frame.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from itertools import count
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+import turgor
+from numpy.typing import NDArray
+
+from .. import runtime
+from ..logic import joints
+from ..logic.profiles import Profiles, Tables
+from ..properties.profiles import PRESET_NAMES
+from ..scene import frame, settings
+from .binding import Bound
+
+_marks = count(1)
+
+
+class Settled(NamedTuple):
+    """What a copy's settings amount to."""
+
+    mark: int
+    bound: Bound
+    saved: settings.BodySettings
+    engine: turgor.VolumeSkin
+    strengths: NDArray[np.float64]  # (J,) of the joints
+    armature: int  # its place in the stack
+
+
+def settled(target: bpy.types.Object, known: runtime.Character, bound: Bound) -> Settled:
+    """Of the evaluated `target`. Raises frame.FrameError without an armature."""
+    last: Settled | None = known.settled
+    if last is not None and last.mark == target.turgor.settled and last.bound is bound:
+        return last
+    armature = frame.armature_place(target)
+    saved = settings.read_settings(target)
+    engine, strengths = engine_of(target, saved, bound)
+    made = Settled(next(_marks), bound, saved, engine, strengths, armature)
+    # A copy has room for the mark where its object has, written when it was bound: none is made here.
+    if not settings.may_move(target) and target.turgor.is_property_set("settled"):
+        # Nothing can be written while Blender draws.
+        with suppress(AttributeError):
+            target.turgor.settled = made.mark
+            known.settled = made
+    return made
+
+
+def engine_of(
+    target: bpy.types.Object, saved: settings.BodySettings, bound: Bound
+) -> tuple[turgor.VolumeSkin, NDArray[np.float64]]:
+    """The engine under these settings, the same object while they are equal, and (J,) strengths of the joints."""
+    return bound.body.with_settings(
+        settings_key(saved, bound),
+        lambda: _joints(target, saved, bound),
+        saved.solver.lower(),
+        saved.keep_bone_scale,
+    )
+
+
+def settings_key(saved: settings.BodySettings, bound: Bound) -> object:
+    """Equal while the engine is."""
+    arrays = tuple(array.tobytes() for array in saved.joints)
+    return arrays, saved.seconds, saved.solver, saved.keep_bone_scale, bound.curves.stamps
+
+
+def _joints(target: bpy.types.Object, saved: settings.BodySettings, bound: Bound) -> list[turgor.Joint]:
+    index = {name: number for number, name in enumerate(bound.bones.names)}
+    arrays, tables = saved.joints, bound.curves.tables
+    strengths = joints.effective_strengths(arrays.strengths, arrays.is_muted, arrays.is_solo)
+    found = []
+    for place, name in enumerate(settings.joint_names(target)):
+        if name not in index:
+            continue
+        first = Profiles(
+            PRESET_NAMES[arrays.presets[place]],
+            PRESET_NAMES[arrays.curve_sources[place]],
+            None if arrays.use_auto_shares[place] else tuple(arrays.shares[place].tolist()),
+            tables.get((place, False)),
+        )
+        second = saved.seconds.get(place)
+        by_value = arrays.blend_modes[place] == settings.BLEND_BY_VALUE
+        joint = joints.JointSettings(
+            index[name],
+            float(strengths[place]),
+            float(arrays.sizes[place]),
+            first,
+            None if second is None else _second(second, tables.get((place, True))),
+            float(arrays.blends[place]) if by_value else None,
+            float(arrays.fold_losses[place]),
+        )
+        found.append(joints.engine_joint(joint))
+    return found
+
+
+def _second(saved: settings.SecondSet, tables: Tables | None) -> Profiles:
+    shares = None if saved.use_auto_shares else saved.shares
+    return Profiles(saved.preset, saved.curve_source, shares, tables)
