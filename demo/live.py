@@ -93,9 +93,10 @@ class WatchedBody:
     def __getattr__(self, name: str) -> Any:
         return getattr(self.body, name)
 
-    def with_settings(self, *settings: Any) -> WatchedEngine:
+    def with_settings(self, *settings: Any) -> tuple[WatchedEngine, Any]:
         """As the body's."""
-        return WatchedEngine(self.body.with_settings(*settings), self.found)
+        engine, strengths = self.body.with_settings(*settings)
+        return WatchedEngine(engine, self.found), strengths
 
 
 def live_frame(mesh_object: bpy.types.Object) -> LiveFrame:
