@@ -24,8 +24,9 @@ const LEAST_SAY: f64 = 0.1;
 /// Places per parallel piece.
 const CHUNK: usize = 1024;
 
-/// One place per point of the skin, and its depth under it. `rows` are the voxels that the points see, `nearest` per voxel the distance to the
-/// nearest bone, `viewers` how the points look at them. Skin without an inside stays where it is; what hovers takes the place of the skin below it.
+/// One place per point of the skin, and its depth under it. `rows` are the voxels that the points see, `nearest` per voxel
+/// the distance to the nearest bone, `viewers` how the points look at them. Skin without an inside stays where it is; what
+/// hovers takes the place of the skin below it.
 pub fn places(solid: &Solid, skin: &Skin, rows: &Csr<(u32, f32)>, nearest: &[f32], viewers: &[u32]) -> (Vec<DVec3>, Vec<f32>) {
     let inward = inward(solid, skin);
     let voxels = &solid.voxels;

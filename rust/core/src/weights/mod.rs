@@ -149,8 +149,9 @@ pub fn automatic_weights(
     let stiffness: Vec<f64> = free.iter().map(|&b| bones.stiffness.map_or(1.0, |s| s[b as usize])).collect();
     let nearest = initial::weights_from_distances(&mut columns, count, &stiffness, settings.falloff);
     if let Some(solid) = solid.as_ref().filter(|_| settings.smoothing > 0.0) {
+        let own = initial::own_length(settings.falloff);
         let lengths: Vec<f64> =
-            nearest.iter().zip(&depths).map(|(&d, &depth)| initial::length_left(settings.smoothing, d, depth)).collect();
+            nearest.iter().zip(&depths).map(|(&d, &depth)| initial::length_left(settings.smoothing, own, d, depth)).collect();
         if let Some(diffusion) = Diffusion::new(Laplacian::new(&solid.points, &skin.faces), &lengths) {
             step(0.7, 0.8, 1.0)?;
             diffusion.run(&mut columns, |part| step(0.8, 0.95, part))?;
