@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from .. import runtime
 from ..logic import range_of_motion
-from ..scene import frame, pose_samples, settings, shape_keys, stack
-from . import binding, spine_frame
+from ..scene import pose_samples, settings, shape_keys, stack
+from . import binding, frame
 from .binding import Bound
 from .engines import engine_of
 
@@ -75,19 +75,17 @@ def samples(
     target: bpy.types.Object, bound: Bound, frames: Sequence[float], tell: Callable[[int], None]
 ) -> Iterator[Sample]:
     """At these frames of the scene. tell: is told how many are done."""
+    known = runtime.character(target.session_uid)
     for done, evaluated in enumerate(pose_samples.evaluated_apart(target, frames)):
-        inputs = frame.read_frame(evaluated)
-        saved = settings.read_settings(evaluated)
-        added = None
-        if bound.fleshed is not None:
-            added = spine_frame.added_offsets(evaluated, bound.body.vertex_count)
+        asked = frame.read(evaluated, known, bound)
         yield Sample(
-            *engine_of(evaluated, saved, bound),
-            saved.target_volume,
-            inputs.pose_matrices[bound.bones.pose_indices],
-            inputs.object_from_armature,
-            inputs.shape_values,
-            added,
+            asked.engine,
+            asked.strengths,
+            asked.options["target_scale"],
+            asked.pose_matrices,
+            asked.options["object_from_armature"],
+            asked.options.get("shape_values", np.zeros(0, np.float32)),
+            asked.options.get("added_offsets"),
         )
         tell(done + 1)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from measure import positions, relative_error, volume
 from test_exact import VOLUME_TOLERANCE
-from tube import RINGS, SEGMENTS, add_turgor, character, select, set_strength, tube_mesh
+from tube import RINGS, SEGMENTS, add_turgor, character, select, set_strength, subdivide, tube_mesh
 
 FRAME = 15
 
@@ -186,11 +186,7 @@ def test_healed_character_is_corrected_again(route, runtime):
 def test_changed_topology_waits_for_rebind(route, runtime, warnings_logged):
     ob, _ = character()
     add_turgor(ob)
-    select([ob])
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.subdivide()
-    bpy.ops.object.mode_set(mode="OBJECT")
+    subdivide(ob)
     bpy.context.view_layer.update()
     _play()
     _check_message(ob, runtime, warnings_logged, "Rebind")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from measure import positions, relative_error, volume
 from test_exact import VOLUME_TOLERANCE
-from tube import LAST_FRAME, add_turgor, character
+from tube import LAST_FRAME, add_turgor, character, play_as_strip
 
 FRAME = 13
 BONE = "Bone1"
@@ -71,14 +71,10 @@ def test_keys_drivers_and_strips_agree(route, name):
     _key(ob, joint, name)
     keyed = _at(ob, FRAME)
     value = getattr(joint, name)
-    data = ob.animation_data
-    action, slot = data.action, getattr(data, "action_slot", None)
-    strip = data.nla_tracks.new().strips.new("Keys", 1, action)
-    if slot is not None:
-        strip.action_slot = slot
-    data.action = None
+    play_as_strip(ob)
     assert np.abs(_at(ob, FRAME) - keyed).max() < 1e-6
-    data.nla_tracks.remove(data.nla_tracks[0])
+    tracks = ob.animation_data.nla_tracks
+    tracks.remove(tracks[0])
     driver = ob.driver_add(_path(name)).driver
     driver.type = "SUM"
     variable = driver.variables.new()

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from measure import mesh_positions, mesh_volume, positions, volume
-from tube import LAST_FRAME, LENGTH, add_turgor, character, place, rig, select, tube_mesh, weigh
+from tube import LAST_FRAME, LENGTH, add_turgor, character, place, rig, select, subdivide, tube_mesh, weigh
 
 REFINE = {"use_automatic": False, "levels": 2, "threshold": 0.2}
 # Refined vertices are stored in single precision.
@@ -320,11 +320,7 @@ def test_the_preview_is_there_when_a_file_is_opened_and_after_an_edit(refining, 
     # Not before it is looked at.
     assert runtime.session.characters[ob.session_uid].refinement is None
     assert refining.look(ob).face_count == count
-    select([ob])
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.subdivide()
-    bpy.ops.object.mode_set(mode="OBJECT")
+    subdivide(ob)
     bpy.ops.object.turgor_volume_rebind()
     assert refining.look(ob).all_face_count > count
 

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from measure import positions
-from tube import LAST_FRAME, add_turgor, character
+from tube import LAST_FRAME, add_turgor, character, play_as_strip
 
 BONE = "Bone1"
 FRAMES = (5, 13)
@@ -34,12 +34,7 @@ def _drive(ob: bpy.types.Object) -> None:
 
 def _strip(ob: bpy.types.Object) -> None:
     _key(ob)
-    data = ob.animation_data
-    action, slot = data.action, getattr(data, "action_slot", None)
-    strip = data.nla_tracks.new().strips.new("Keys", 1, action)
-    if slot is not None:
-        strip.action_slot = slot
-    data.action = None
+    play_as_strip(ob)
 
 
 def _another_armature(ob: bpy.types.Object) -> None:
@@ -69,7 +64,7 @@ EDITS: dict[str, Callable[[bpy.types.Object], object]] = {
     "no driver": lambda ob: ob.driver_remove(f'turgor.joints["{BONE}"].size'),
     "strip": _strip,
     "no strip": lambda ob: ob.animation_data_clear(),
-    "other order": lambda ob: _modifier_before(ob),
+    "other order": _modifier_before,
     "another armature": _another_armature,
     "moved": lambda ob: setattr(ob, "location", (1.0, 2.0, 3.0)),
 }

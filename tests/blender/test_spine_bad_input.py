@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from body import add_spine, body, bow, chain, curve
 from measure import positions
-from tube import LAST_FRAME, select
+from tube import LAST_FRAME, select, subdivide
 
 
 def _check(ob: bpy.types.Object, runtime, logged, words: str) -> None:
@@ -145,10 +145,7 @@ def test_a_removed_curve(route, runtime):
 def test_another_mesh_asks_for_rebinding(route, runtime):
     ob, rig = body(), chain()
     add_spine(ob, rig)
-    select([ob])
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.subdivide()
-    bpy.ops.object.mode_set(mode="OBJECT")
+    subdivide(ob)
     bpy.context.scene.frame_set(LAST_FRAME)
     assert runtime.spine(ob.session_uid).needs_rebind
     rest = np.array([vertex.co for vertex in ob.data.vertices], np.float32)

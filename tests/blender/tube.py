@@ -108,6 +108,25 @@ def select(objects: Iterable[bpy.types.Object]) -> None:
         bpy.context.view_layer.objects.active = ob
 
 
+def subdivide(ob: bpy.types.Object) -> None:
+    """In Edit Mode, as an artist does."""
+    select([ob])
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide()
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def play_as_strip(ob: bpy.types.Object) -> None:
+    """Its action from the first frame on, as a strip of the NLA."""
+    data = ob.animation_data
+    action, slot = data.action, getattr(data, "action_slot", None)
+    strip = data.nla_tracks.new().strips.new("Keys", 1, action)
+    if slot is not None:
+        strip.action_slot = slot
+    data.action = None
+
+
 def volume_modifier(ob: bpy.types.Object) -> bpy.types.NodesModifier:
     return next(modifier for modifier in ob.modifiers if modifier.name.startswith("Turgor Volume"))
 
