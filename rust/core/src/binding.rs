@@ -68,7 +68,8 @@ impl Binding {
         let influences = on_joints(&skinning.influences, skinning.skeleton.len(), &tree);
         let face_joints = FaceJoints::new(topology, &bones_of_points(topology, &influences, tree.len()), &tree);
         let points = topology.points(&in_armature);
-        let patches = Patches::new(topology, &face_joints.tops, &points);
+        let point_keys = strongest_joints(topology, &influences);
+        let patches = Patches::new(topology, &face_joints.tops, &point_keys, &points);
         let sites = Sites::new(topology, &patches, &centred, &influences, shape_deltas);
         let mut deltas_of_sites = vec![vec![lanes::ZERO; sites.len()]; shape_deltas.len()];
         for (of_sites, of_vertices) in deltas_of_sites.iter_mut().zip(shape_deltas) {
@@ -212,6 +213,23 @@ fn bones_of_points(topology: &Topology, influences: &Influences, world: usize) -
         result.push_row(row.iter().copied());
     }
     result
+}
+
+/// The two joints that move each point most, as one number.
+fn strongest_joints(topology: &Topology, influences: &Influences) -> Vec<u32> {
+    let of_vertex = |vertex: u32| {
+        let (joints, weights) = influences.of(vertex as usize);
+        let mut strongest = [(0.0, 0); 2];
+        for (&weight, &joint) in weights.iter().zip(joints) {
+            if weight > strongest[0].0 {
+                strongest = [(weight, joint), strongest[0]];
+            } else if weight > strongest[1].0 {
+                strongest[1] = (weight, joint);
+            }
+        }
+        u32::from(strongest[0].1) << 16 | u32::from(strongest[1].1)
+    };
+    topology.vertices_of_point.rows().map(|vertices| vertices.first().map_or(0, |&vertex| of_vertex(vertex))).collect()
 }
 
 /// Area of each vertex: its part of the faces around its point.

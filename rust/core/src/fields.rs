@@ -5,9 +5,11 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x4, f32x8};
 
+use crate::block_rows::{Block, Held};
 use crate::correction::{Field, FieldFrame};
 use crate::patches::{LANES, PATCH_POINTS};
 use crate::profile::{BELL_END, BELL_WIDTH};
+use crate::supports::Support;
 
 /// One number per owned point of a patch.
 pub(crate) type Row = [f32; PATCH_POINTS];
@@ -61,15 +63,22 @@ fn mask_by_lanes<S: Simd>(_: S, mask: &[f32], directions: &mut [Row; 3], volumes
     }
 }
 
-/// Weights times the joint's bell at each place.
-pub(crate) fn bell_heights(weights: &[f32], places: Rows, frame: &FieldFrame, heights: &mut [f32]) {
-    dispatch!(Level::new(), simd => bell_heights_by_lanes(simd, weights, places, frame, heights));
+/// Place, weight, and weight times bell of the points of a patch that a joint may move.
+pub(crate) fn bells(support: Support, places: Rows, frame: &FieldFrame) -> impl Iterator<Item = (usize, f32, f32)> {
+    let mut heights = NO_ROW;
+    let (rows, _) = heights.as_chunks_mut();
+    dispatch!(Level::new(), simd => bells_by_lanes(simd, support, places, frame, rows));
+    let blocks = support.held.numbered(support.weights).enumerate();
+    let points = blocks.flat_map(move |(row, (number, weights))| {
+        (0..LANES).map(move |lane| (number * LANES + lane, weights[lane], heights[row * LANES + lane]))
+    });
+    points.filter(|(_, weight, _)| *weight > 0.0)
 }
 
 #[inline(always)]
-fn bell_heights_by_lanes<S: Simd>(simd: S, weights: &[f32], places: Rows, frame: &FieldFrame, heights: &mut [f32]) {
+fn bells_by_lanes<S: Simd>(simd: S, support: Support, places: Rows, frame: &FieldFrame, heights: &mut [Block<f32>]) {
     let bell = Bell::new(simd, places, frame);
-    for (number, (weights, heights)) in weights.as_chunks().0.iter().zip(heights.as_chunks_mut().0).enumerate() {
+    for ((number, weights), heights) in support.held.numbered(support.weights).zip(heights) {
         *heights = bell.times(simd, weights, number).into();
     }
 }
@@ -109,32 +118,32 @@ impl<'a, S: Simd> Bell<'a, S> {
 
 /// Weights times the joint's bell at each place; Σ w·v and the largest w·l of the weights, and of the heights.
 pub(crate) fn bell_sums(
-    weights: &[f32],
+    support: Support,
     places: Rows,
     frame: &FieldFrame,
     volumes: &Row,
     lengths: &Row,
-    heights: &mut [f32],
+    heights: &mut [Block<f32>],
 ) -> [(f64, f64); 2] {
-    dispatch!(Level::new(), simd => bell_sums_by_lanes(simd, weights, places, frame, volumes, lengths, heights))
+    dispatch!(Level::new(), simd => bell_sums_by_lanes(simd, support, places, frame, volumes, lengths, heights))
 }
 
 #[inline(always)]
 fn bell_sums_by_lanes<S: Simd>(
     simd: S,
-    weights: &[f32],
+    support: Support,
     places: Rows,
     frame: &FieldFrame,
     volumes: &Row,
     lengths: &Row,
-    heights: &mut [f32],
+    heights: &mut [Block<f32>],
 ) -> [(f64, f64); 2] {
     let bell = Bell::new(simd, places, frame);
     let (volumes, lengths) = (volumes.as_chunks::<LANES>().0, lengths.as_chunks::<LANES>().0);
     let none = f32x8::splat(simd, 0.0);
     let (mut sum, mut most) = (none, none);
     let (mut bell_sum, mut bell_most) = (none, none);
-    for (number, (weights, heights)) in weights.as_chunks().0.iter().zip(heights.as_chunks_mut().0).enumerate() {
+    for ((number, weights), heights) in support.held.numbered(support.weights).zip(heights) {
         let (volume, length) = (f32x8::simd_from(simd, volumes[number]), f32x8::simd_from(simd, lengths[number]));
         let all = f32x8::simd_from(simd, *weights);
         let round = bell.times(simd, weights, number);
@@ -154,15 +163,16 @@ fn larger<S: Simd>(a: f32x8<S>, b: f32x8<S>) -> f32x8<S> {
 }
 
 /// Σ w·v and the largest w·l.
-pub(crate) fn sum_and_most(weights: &[f32], volumes: &Row, lengths: &Row) -> (f64, f64) {
-    dispatch!(Level::new(), simd => sum_and_most_by_lanes(simd, weights, volumes, lengths))
+pub(crate) fn sum_and_most(held: Held, weights: &[Block<f32>], volumes: &Row, lengths: &Row) -> (f64, f64) {
+    dispatch!(Level::new(), simd => sum_and_most_by_lanes(simd, held, weights, volumes, lengths))
 }
 
 #[inline(always)]
-fn sum_and_most_by_lanes<S: Simd>(_: S, weights: &[f32], volumes: &Row, lengths: &Row) -> (f64, f64) {
+fn sum_and_most_by_lanes<S: Simd>(_: S, held: Held, weights: &[Block<f32>], volumes: &Row, lengths: &Row) -> (f64, f64) {
     let (mut sums, mut most) = ([0.0f32; LANES], [0.0f32; LANES]);
-    let lanes = weights.as_chunks::<LANES>().0.iter();
-    for ((w, v), l) in lanes.zip(volumes.as_chunks::<LANES>().0).zip(lengths.as_chunks::<LANES>().0) {
+    let (volumes, lengths) = (volumes.as_chunks::<LANES>().0, lengths.as_chunks::<LANES>().0);
+    for (number, w) in held.numbered(weights) {
+        let (v, l) = (&volumes[number], &lengths[number]);
         for i in 0..LANES {
             sums[i] += w[i] * v[i];
             let moved = w[i] * l[i];
@@ -173,19 +183,26 @@ fn sum_and_most_by_lanes<S: Simd>(_: S, weights: &[f32], volumes: &Row, lengths:
 }
 
 /// Σ w·(g·e)(d·e) and the largest w·|d·e|.
-pub(crate) fn sum_and_most_along(weights: &[f32], gradient: Rows, directions: &[Row; 3], axis: [f32; 3]) -> (f64, f64) {
-    dispatch!(Level::new(), simd => sum_and_most_along_by_lanes(simd, weights, gradient, directions, axis))
+pub(crate) fn sum_and_most_along(held: Held, weights: &[Block<f32>], gradient: Rows, directions: &[Row; 3], axis: [f32; 3]) -> (f64, f64) {
+    dispatch!(Level::new(), simd => sum_and_most_along_by_lanes(simd, held, weights, gradient, directions, axis))
 }
 
 #[inline(always)]
-fn sum_and_most_along_by_lanes<S: Simd>(_: S, weights: &[f32], gradient: Rows, directions: &[Row; 3], axis: [f32; 3]) -> (f64, f64) {
+fn sum_and_most_along_by_lanes<S: Simd>(
+    _: S,
+    held: Held,
+    weights: &[Block<f32>],
+    gradient: Rows,
+    directions: &[Row; 3],
+    axis: [f32; 3],
+) -> (f64, f64) {
     let (mut sums, mut most) = ([0.0f32; LANES], [0.0f32; LANES]);
     let [x, y, z] = gradient.map(|row| row.as_chunks::<LANES>().0);
     let [dx, dy, dz] = directions.each_ref().map(|row| row.as_chunks::<LANES>().0);
-    for (chunk, w) in weights.as_chunks::<LANES>().0.iter().enumerate() {
+    for (number, w) in held.numbered(weights) {
         for i in 0..LANES {
-            let slope = x[chunk][i] * axis[0] + y[chunk][i] * axis[1] + z[chunk][i] * axis[2];
-            let along = dx[chunk][i] * axis[0] + dy[chunk][i] * axis[1] + dz[chunk][i] * axis[2];
+            let slope = x[number][i] * axis[0] + y[number][i] * axis[1] + z[number][i] * axis[2];
+            let along = dx[number][i] * axis[0] + dy[number][i] * axis[1] + dz[number][i] * axis[2];
             let moved = w[i] * along.abs();
             sums[i] += moved * slope.abs();
             most[i] = if moved > most[i] { moved } else { most[i] };
@@ -219,133 +236,159 @@ pub(crate) struct FieldRows {
     pub lengths: Row,
     /// Volumes without the mask.
     pub unmasked: Row,
-    pub bell: Row,
+    /// Weight times bell, for each block of weights of one joint.
+    pub bell: [Block<f32>; PATCH_POINTS / LANES],
 }
 
-/// What the fields of a patch and the residual's field add to its points.
+/// What the fields of a patch and the residual's field add to its points: the same up to the sign of those that take.
 pub(crate) struct FieldSum {
     count: usize,
-    /// Factors on the directions: what needs no axes.
-    by_gradient: Row,
-    residual_by_gradient: Row,
+    /// Of joints that give, and of those that take: factors on the directions, which need no axes.
+    by_gradient: [Row; 2],
     /// Whether some field has axes: the rest stands only then.
     is_shaped: bool,
-    moved: [Row; 3],
-    residual: [Row; 3],
+    shaped: [[Row; 3]; 2],
 }
 
 const NO_ROW: Row = [0.0; PATCH_POINTS];
 
 impl FieldRows {
     pub const fn new() -> Self {
-        Self { directions: [NO_ROW; 3], volumes: NO_ROW, lengths: NO_ROW, unmasked: NO_ROW, bell: NO_ROW }
+        Self { directions: [NO_ROW; 3], volumes: NO_ROW, lengths: NO_ROW, unmasked: NO_ROW, bell: [[0.0; LANES]; PATCH_POINTS / LANES] }
     }
 }
 
 impl FieldSum {
     pub const fn new() -> Self {
-        let (moved, residual) = ([NO_ROW; 3], [NO_ROW; 3]);
-        Self { count: 0, by_gradient: NO_ROW, residual_by_gradient: NO_ROW, is_shaped: false, moved, residual }
+        Self { count: 0, by_gradient: [NO_ROW; 2], is_shaped: false, shaped: [[NO_ROW; 3]; 2] }
     }
 
-    /// Begins with the field of the whole shell: so much of it, and of it for the residual.
-    pub fn start(&mut self, inverse_areas: &[f32], shell: [f64; 2]) {
-        self.count = inverse_areas.len();
+    /// Begins with nothing, of so many points.
+    pub fn start(&mut self, count: usize) {
+        self.count = count;
         self.is_shaped = false;
-        let [field, residual] = shell.map(|s| s as f32);
-        for ((moved, rest), area) in self.by_gradient.iter_mut().zip(&mut self.residual_by_gradient).zip(inverse_areas) {
-            *moved = area * field;
-            *rest = area * residual;
-        }
+        self.by_gradient.iter_mut().for_each(|row| row[..count].fill(0.0));
     }
 
-    /// What a joint gives without axes: by its bell, and by all of its vicinity. Leaves weights times the bell in `heights`.
-    pub fn add_round(&mut self, field: &Field, sign: f32, frame: &FieldFrame, weights: &[f32], places: Rows, heights: &mut [f32]) {
-        let sums = [&mut self.by_gradient, &mut self.residual_by_gradient];
-        dispatch!(Level::new(), simd => add_round_by_lanes(simd, field, sign, frame, weights, places, heights, sums));
+    /// What a joint gives, or takes, without axes: by its bell, and by all of its vicinity. Leaves weights times the bell in
+    /// `heights`.
+    pub fn add_round(
+        &mut self,
+        takes: bool,
+        field: &Field,
+        support: Support,
+        places: Rows,
+        frame: &FieldFrame,
+        heights: &mut [Block<f32>],
+    ) {
+        let sum = &mut self.by_gradient[usize::from(takes)];
+        dispatch!(Level::new(), simd => add_round_by_lanes(simd, field, support, places, frame, heights, sum));
     }
 
-    /// What a joint gives along its axes.
-    pub fn add_shaped(&mut self, field: &Field, sign: f32, heights: &[f32], directions: &[Row; 3]) {
+    /// The same along its axes.
+    pub fn add_shaped(&mut self, takes: bool, field: &Field, held: Held, heights: &[Block<f32>], directions: &[Row; 3]) {
         if !self.is_shaped {
             self.is_shaped = true;
-            self.moved.iter_mut().chain(&mut self.residual).for_each(|row| row[..self.count].fill(0.0));
+            self.shaped.as_flattened_mut().iter_mut().for_each(|row| row[..self.count].fill(0.0));
         }
-        add_along_axes(field, sign, heights, directions.each_ref().map(|row| &row[..]), &mut self.moved, &mut self.residual);
+        let sums = &mut self.shaped[usize::from(takes)];
+        dispatch!(Level::new(), simd => add_shaped_by_lanes(simd, field, held, heights, directions, sums));
     }
 
-    /// Adds what needs no axes; `keep` takes what all of it makes of each point's move.
-    pub fn end(&self, directions: &[Row; 3], moves: &mut [Move], keep: &impl Fn(&mut Move, Move)) {
-        dispatch!(Level::new(), simd => self.end_by_lanes(simd, directions, moves, keep));
+    /// Adds the field of the whole shell, so much of it, and of it for the residual, to which joints contribute or not;
+    /// `keep` takes what all of it makes of each point's move.
+    pub fn end(
+        &self,
+        inverse_areas: &[f32],
+        shell: [f64; 2],
+        joints_count: bool,
+        directions: &[Row; 3],
+        moves: &mut [Move],
+        keep: &impl Fn(&mut Move, Move),
+    ) {
+        let shell = shell.map(|s| s as f32);
+        let joints = if joints_count { 1.0 } else { 0.0 };
+        dispatch!(Level::new(), simd => self.end_by_lanes(simd, inverse_areas, shell, joints, directions, moves, keep));
     }
 
     #[inline(always)]
-    fn end_by_lanes<S: Simd>(&self, _: S, directions: &[Row; 3], moves: &mut [Move], keep: &impl Fn(&mut Move, Move)) {
-        let [dx, dy, dz] = directions.each_ref().map(|row| &row[..moves.len()]);
-        let (by, residual_by) = (&self.by_gradient[..moves.len()], &self.residual_by_gradient[..moves.len()]);
-        for (i, old) in moves.iter_mut().enumerate() {
-            let along = |factor: f32| [dx[i] * factor, dy[i] * factor, dz[i] * factor, 0.0];
-            let mut new = Move { by: along(by[i]), residual: along(residual_by[i]) };
-            if self.is_shaped {
-                for axis in 0..3 {
-                    new.by[axis] += self.moved[axis][i];
-                    new.residual[axis] += self.residual[axis][i];
+    #[expect(clippy::too_many_arguments, reason = "the arguments of one loop")]
+    fn end_by_lanes<S: Simd>(
+        &self,
+        simd: S,
+        inverse_areas: &[f32],
+        [shell, shell_residual]: [f32; 2],
+        joints: f32,
+        directions: &[Row; 3],
+        moves: &mut [Move],
+        keep: &impl Fn(&mut Move, Move),
+    ) {
+        let four = |row: &[f32], at: usize| f32x4::simd_from(simd, row.as_chunks::<4>().0[at]);
+        let [given, taken] = &self.by_gradient;
+        for (at, moves) in moves.as_chunks_mut::<4>().0.iter_mut().enumerate() {
+            let (areas, given, taken) = (four(inverse_areas, at), four(given, at), four(taken, at));
+            let by = areas * shell + (given + taken);
+            let residual = areas * shell_residual + (given - taken) * joints;
+            let (mut by, mut residual) = ([by; 3], [residual; 3]);
+            for axis in 0..3 {
+                let direction = four(&directions[axis], at);
+                by[axis] *= direction;
+                residual[axis] *= direction;
+                if self.is_shaped {
+                    let (given, taken) = (four(&self.shaped[0][axis], at), four(&self.shaped[1][axis], at));
+                    by[axis] += given + taken;
+                    residual[axis] += (given - taken) * joints;
                 }
             }
-            keep(old, new);
+            let (by, residual) = (rows(simd, by), rows(simd, residual));
+            for (i, old) in moves.iter_mut().enumerate() {
+                keep(old, Move { by: by[i].into(), residual: residual[i].into() });
+            }
         }
     }
 }
 
+/// (x, y, z, 0) of four vectors side by side.
 #[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "the arguments of one loop")]
+fn rows<S: Simd>(simd: S, [x, y, z]: [f32x4<S>; 3]) -> [f32x4<S>; 4] {
+    let none = f32x4::splat(simd, 0.0);
+    let (xz, xz_after) = (x.zip_low(z), x.zip_high(z));
+    let (y, y_after) = (y.zip_low(none), y.zip_high(none));
+    [xz.zip_low(y), xz.zip_high(y), xz_after.zip_low(y_after), xz_after.zip_high(y_after)]
+}
+
+#[inline(always)]
 fn add_round_by_lanes<S: Simd>(
     simd: S,
     field: &Field,
-    sign: f32,
-    frame: &FieldFrame,
-    weights: &[f32],
+    support: Support,
     places: Rows,
-    heights: &mut [f32],
-    [by_gradient, residual]: [&mut Row; 2],
+    frame: &FieldFrame,
+    heights: &mut [Block<f32>],
+    sum: &mut Row,
 ) {
     let bell = Bell::new(simd, places, frame);
     let (round, all) = (field.bell as f32, field.all as f32);
-    let rows = weights.as_chunks().0.iter().zip(heights.as_chunks_mut().0);
-    let sums = by_gradient.as_chunks_mut::<LANES>().0.iter_mut().zip(residual.as_chunks_mut::<LANES>().0);
-    for (number, ((weights, heights), (by_gradient, residual))) in rows.zip(sums).enumerate() {
+    let (sum, _) = sum.as_chunks_mut::<LANES>();
+    for ((number, weights), heights) in support.held.numbered(support.weights).zip(heights) {
         let height = bell.times(simd, weights, number);
-        let added = height * round + f32x8::simd_from(simd, *weights) * all;
         *heights = height.into();
-        *by_gradient = (f32x8::simd_from(simd, *by_gradient) + added).into();
-        *residual = (f32x8::simd_from(simd, *residual) + added * sign).into();
+        let added = height * round + f32x8::simd_from(simd, *weights) * all;
+        sum[number] = (f32x8::simd_from(simd, sum[number]) + added).into();
     }
 }
 
-fn add_along_axes(field: &Field, sign: f32, heights: &[f32], gradient: Rows, moved: &mut [Row; 3], residual: &mut [Row; 3]) {
-    dispatch!(Level::new(), simd => add_along_axes_by_lanes(simd, field, sign, heights, gradient, moved, residual));
-}
-
 #[inline(always)]
-fn add_along_axes_by_lanes<S: Simd>(
-    _: S,
-    field: &Field,
-    sign: f32,
-    heights: &[f32],
-    gradient: Rows,
-    moved: &mut [Row; 3],
-    residual: &mut [Row; 3],
-) {
-    let count = heights.len();
+fn add_shaped_by_lanes<S: Simd>(_: S, field: &Field, held: Held, heights: &[Block<f32>], directions: &[Row; 3], sums: &mut [Row; 3]) {
     let m = field.shaped.as_mat3().to_cols_array();
-    let [gx, gy, gz] = gradient.map(|row| &row[..count]);
-    for (axis, (moved, residual)) in moved.iter_mut().zip(residual).enumerate() {
-        let (moved, residual) = (&mut moved[..count], &mut residual[..count]);
+    let [dx, dy, dz] = directions.each_ref().map(|row| row.as_chunks::<LANES>().0);
+    for (axis, sum) in sums.iter_mut().enumerate() {
+        let (sum, _) = sum.as_chunks_mut::<LANES>();
         let [a, b, c] = [m[axis], m[3 + axis], m[6 + axis]];
-        for i in 0..count {
-            let added = (gx[i] * a + gy[i] * b + gz[i] * c) * heights[i];
-            moved[i] += added;
-            residual[i] += added * sign;
+        for (number, heights) in held.numbered(heights) {
+            for i in 0..LANES {
+                sum[number][i] += (dx[number][i] * a + dy[number][i] * b + dz[number][i] * c) * heights[i];
+            }
         }
     }
 }

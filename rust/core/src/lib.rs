@@ -6,6 +6,7 @@
 //! bending with local volume preservation*, 2013.
 
 mod binding;
+mod block_rows;
 mod correction;
 mod crew;
 mod csr;

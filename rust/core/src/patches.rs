@@ -80,8 +80,9 @@ pub(crate) struct Patches {
 }
 
 impl Patches {
-    /// `places`: positions per point, for nearness. `keys`: per face, what it hangs on; equal keys go together.
-    pub fn new(topology: &Topology, keys: &[u32], places: &[DVec3]) -> Self {
+    /// `places`: positions per point, for nearness. `keys`: per face, what it hangs on; equal keys go together. `point_keys`:
+    /// per point, what moves it; the points of a patch lie in their order.
+    pub fn new(topology: &Topology, keys: &[u32], point_keys: &[u32], places: &[DVec3]) -> Self {
         let code = morton_coder(places);
         let mut order: Vec<(u32, u32, u64, u32)> = topology
             .faces
@@ -119,7 +120,7 @@ impl Patches {
         }
         let mut result = builder.result;
         result.slot_offsets.push(result.padded_end() as u32);
-        result.put_shared_first(&giants.iter().flat_map(|g| topology.faces.row(g.1 as usize)).copied().collect::<Vec<u32>>());
+        result.put_shared_first(point_keys, &giants.iter().flat_map(|g| topology.faces.row(g.1 as usize)).copied().collect::<Vec<u32>>());
         for slot in &mut result.local {
             *slot = result.slot_of_point[*slot as usize];
         }
@@ -169,7 +170,7 @@ impl Patches {
     }
 
     /// Renumbers the points that each patch owns. `local` still holds points, those of giants are `elsewhere` too.
-    fn put_shared_first(&mut self, elsewhere: &[u32]) {
+    fn put_shared_first(&mut self, keys: &[u32], elsewhere: &[u32]) {
         let mut is_shared = vec![false; self.slot_of_point.len()];
         for patch in &self.list {
             for &point in &self.local[patch.local.start + patch.owned..patch.local.end] {
@@ -183,8 +184,11 @@ impl Patches {
         for patch in &mut self.list {
             let owned = &mut self.local[patch.local.start..patch.local.start + patch.owned];
             let mut order: Vec<u32> = (0..patch.owned as u32).collect();
-            // By number within each part: vertices that follow one another read neighbours in memory.
-            order.sort_by_key(|&place| (!is_shared[owned[place as usize] as usize], owned[place as usize]));
+            // By number where keys are equal: vertices that follow one another read neighbours in memory.
+            order.sort_by_key(|&place| {
+                let point = owned[place as usize];
+                (!is_shared[point as usize], keys[point as usize], point)
+            });
             patch.shared = owned.iter().filter(|&&point| is_shared[point as usize]).count();
             let mut renumbered: [u8; PATCH_POINTS] = std::array::from_fn(|place| place as u8);
             for (new, &old) in order.iter().enumerate() {

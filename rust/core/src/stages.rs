@@ -8,11 +8,13 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f64x8};
 use glam::DVec3;
 
+use crate::block_rows::{Block, BlockRows};
 use crate::csr::Csr;
 use crate::lanes::{self, Four, V4, add_scaled, scale, sub};
 use crate::motions::Motions;
+use crate::patches::PATCH_POINTS;
 use crate::sites::Sites;
-use crate::skinning::{Columns, Mode};
+use crate::skinning::Mode;
 use crate::sweeps;
 use crate::volume_loss::{Anatomy, Bodies, Change, Job, Moment, find_job, joints_of, moved_volume};
 
@@ -25,10 +27,10 @@ pub(crate) struct Stages {
     joints: Csr<u16>,
     /// The same as jobs.
     jobs: Csr<u32>,
-    /// Per body and one past the last: where its weights start, one row of whole blocks per joint.
-    weight_offsets: Vec<u32>,
-    /// Weight of all that hangs on a joint.
-    weights: Vec<f64>,
+    /// Per body: the first of its rows of weights.
+    first_rows: Vec<u32>,
+    /// Weight of all that hangs on a joint: per body and joint a row for each `PATCH_POINTS` of its points.
+    weights: BlockRows<f64>,
     /// Per body and one past the last: where its rest positions start, three rows of whole blocks.
     rest_offsets: Vec<u32>,
     rest: Vec<f64>,
@@ -83,7 +85,6 @@ impl Stages {
     /// Bodies are patches, then giants. `measures`: losses are to be measured.
     pub fn new(anatomy: &Anatomy, jobs: &[Job], measures: bool) -> Self {
         let mut result = Self::default();
-        result.weight_offsets.push(0);
         result.rest_offsets.push(0);
         for patch in &anatomy.patches.list {
             result.push(anatomy, &anatomy.patches.local[patch.local.clone()], patch.component, jobs, measures);
@@ -102,7 +103,7 @@ impl Stages {
         let place = |slot: &u32| sites.mean(*slot as usize, |site| sites.rest[site]);
         let mut bodies = Bodies::default();
         let mut tops = self.tops.iter().map(|&top| u32::from(top));
-        let mut buffer = [lanes::ZERO; crate::patches::PATCH_POINTS];
+        let mut buffer = [lanes::ZERO; PATCH_POINTS];
         for (patch, top) in patches.list.iter().zip(&mut tops) {
             for (p, slot) in buffer.iter_mut().zip(&patches.local[patch.local.clone()]) {
                 *p = place(slot);
@@ -134,18 +135,18 @@ impl Stages {
         }
         self.tops.push(top as u16);
         self.is_single.push(is_sparse && slots.iter().all(|&slot| sites.of_slot(slot as usize).len() == 1));
+        self.first_rows.push(self.weights.len() as u32);
         for &joint in &joints {
             let under = usize::from(joint)..usize::from(tree.ends[usize::from(joint)]);
-            self.weights.extend(slots.iter().map(|&slot| {
-                let of_site = |site: usize| {
-                    let (bones, weights) = sites.influences.of(site);
-                    bones.iter().zip(weights).filter(|(b, _)| under.contains(&usize::from(**b))).map(|(_, w)| w).sum::<f64>()
-                };
-                sites.of_slot(slot as usize).map(|site| sites.share(site) * of_site(site)).sum::<f64>()
-            }));
-            self.weights.extend(padding.clone().map(|_| 0.0));
+            let of_site = |site: usize| {
+                let (bones, weights) = sites.influences.of(site);
+                bones.iter().zip(weights).filter(|(b, _)| under.contains(&usize::from(**b))).map(|(_, w)| w).sum::<f64>()
+            };
+            let of_slot = |slot: &u32| sites.of_slot(*slot as usize).map(|site| sites.share(site) * of_site(site)).sum::<f64>();
+            for slots in slots.chunks(PATCH_POINTS) {
+                self.weights.push_row(&slots.iter().map(of_slot).collect::<Vec<f64>>());
+            }
         }
-        self.weight_offsets.push(self.weights.len() as u32);
         for axis in 0..3 {
             self.rest.extend(slots.iter().map(|&slot| sites.mean(slot as usize, |site| sites.rest[site])[axis]));
             self.rest.extend(padding.clone().map(|_| 0.0));
@@ -160,7 +161,7 @@ impl Stages {
         size_of_val(&*self.tops)
             + self.joints.memory_bytes()
             + self.jobs.memory_bytes()
-            + size_of_val(&*self.weights)
+            + self.weights.memory_bytes()
             + size_of_val(&*self.rest)
     }
 
@@ -204,7 +205,7 @@ impl Stages {
     /// Positions as all joints leave them: those of the skin where `ends_skinned`.
     #[inline(always)]
     pub fn skin<S: Simd>(&self, simd: S, body: Body, mut rows: Rows, positions: &mut [V4]) {
-        self.start(body, &mut rows);
+        self.start(simd, body, &mut rows);
         for (stage, &joint) in self.joints.row(body.index).iter().enumerate() {
             self.add(simd, body, stage, usize::from(joint), &mut rows);
         }
@@ -228,7 +229,7 @@ impl Stages {
         let motions = body.motions;
         let joints = self.joints.row(body.index);
         let last = joints.iter().rposition(|&j| !motions.is_still[usize::from(j)]);
-        self.start(body, &mut rows);
+        self.start(simd, body, &mut rows);
         let mut before = moved_volume(motions.palette.alone(usize::from(self.tops[body.index])), body.moment);
         for (stage, change) in changes.iter_mut().enumerate().take(last.map_or(0, |last| last + 1)) {
             let joint = usize::from(joints[stage]);
@@ -240,7 +241,7 @@ impl Stages {
                 self.add(simd, body, stage, motions.stretched(joint), &mut rows);
                 place_all(simd, body, &rows, positions.as_mut());
                 stretched = volume(positions);
-                self.start(body, &mut rows);
+                self.start(simd, body, &mut rows);
                 for (earlier, &joint) in joints[..stage].iter().enumerate() {
                     self.add(simd, body, earlier, usize::from(joint), &mut rows);
                 }
@@ -259,33 +260,54 @@ impl Stages {
 
     /// All points as the joint above leaves them.
     #[inline(always)]
-    fn start(&self, body: Body, rows: &mut Rows) {
+    fn start<S: Simd>(&self, simd: S, body: Body, rows: &mut Rows) {
         let palette = &body.motions.palette;
         let top = usize::from(self.tops[body.index]);
         let count = body.slots.len();
-        self.put_at_rest(body, rows);
-        let [x, y, z] = rows.place.each_mut().map(|row| &mut row[..count]);
-        // As `lanes::transform`, for many points side by side.
-        let moved = |m: &Columns, axis: usize, p: [f64; 3]| m[3][axis] + m[0][axis] * p[0] + m[1][axis] * p[1] + m[2][axis] * p[2];
         if palette.mode == Mode::Linear {
+            if body.shaped_rest.is_some() {
+                self.put_at_rest(body, rows);
+            }
             let m = palette.alone(top);
-            for (axis, row) in rows.blend.iter_mut().take(3).enumerate() {
-                for (i, q) in row[..count].iter_mut().enumerate() {
-                    *q = moved(m, axis, [x[i], y[i], z[i]]);
-                }
+            let moved = Eightfold::new(simd, |column, axis| m[column][axis]);
+            let places = self.places(body, &rows.place);
+            let [qx, qy, qz] = blocks_of(&mut rows.blend);
+            for number in 0..count.div_ceil(BLOCK) {
+                let [x, y, z] = moved.of(simd, places, number);
+                (qx[number], qy[number], qz[number]) = (x.into(), y.into(), z.into());
             }
             return;
         }
+        self.put_at_rest(body, rows);
+        let [x, y, z] = rows.place.each_mut().map(|row| &mut row[..count]);
+        let m = palette.armature_columns();
         for i in 0..count {
             let p = [x[i], y[i], z[i]];
-            [x[i], y[i], z[i]] = std::array::from_fn(|axis| moved(palette.armature_columns(), axis, p));
+            // As `lanes::transform`, for many points side by side.
+            [x[i], y[i], z[i]] = std::array::from_fn(|axis| m[3][axis] + m[0][axis] * p[0] + m[1][axis] * p[1] + m[2][axis] * p[2]);
         }
         let motion = palette.dual(top);
         for (row, value) in rows.blend.iter_mut().zip(motion.rotation) {
             row[..count].fill(value);
         }
         rows.dual.iter_mut().for_each(|row| row[..count].fill(0.0));
-        add_dual(rows, count, |_| 1.0, motion.dual, motion.has_scale);
+        add_dual(simd, rows, &|| (0..count.div_ceil(BLOCK)).map(|number| (number, &[1.0; BLOCK])), motion.dual, motion.has_scale);
+    }
+
+    /// What joints turn about: for linear skinning the points at rest, as they are kept where no shape key changes them.
+    #[inline(always)]
+    fn places<'a>(&'a self, body: Body, place: &'a [&mut [f64]; 3]) -> [&'a [Block<f64>]; 3] {
+        let is_kept = body.motions.palette.mode == Mode::Linear && body.shaped_rest.is_none();
+        let rows = if is_kept { self.rest_of(body) } else { place.each_ref().map(|row| &**row) };
+        rows.map(|row| row.as_chunks().0)
+    }
+
+    #[inline(always)]
+    fn rest_of(&self, body: Body) -> [&[f64]; 3] {
+        let rest = &self.rest[self.rest_offsets[body.index] as usize..self.rest_offsets[body.index + 1] as usize];
+        let (x, yz) = rest.split_at(rest.len() / 3);
+        let (y, z) = yz.split_at(yz.len() / 2);
+        [x, y, z]
     }
 
     #[inline(always)]
@@ -298,8 +320,7 @@ impl Stages {
             }
             return;
         }
-        let rest = &self.rest[self.rest_offsets[body.index] as usize..self.rest_offsets[body.index + 1] as usize];
-        for (row, rest) in rows.place.iter_mut().zip(rest.chunks_exact(count.next_multiple_of(BLOCK).max(1))) {
+        for (row, rest) in rows.place.iter_mut().zip(self.rest_of(body)) {
             row[..count].copy_from_slice(&rest[..count]);
         }
     }
@@ -307,54 +328,101 @@ impl Stages {
     /// Lets a joint follow `motion` where it followed its parent.
     #[inline(always)]
     fn add<S: Simd>(&self, simd: S, body: Body, stage: usize, motion: usize, rows: &mut Rows) {
-        let count = body.slots.len();
         let palette = &body.motions.palette;
         let parent = usize::from(body.motions.tree.parents[usize::from(self.joints.row(body.index)[stage])]);
-        let row_length = count.next_multiple_of(BLOCK);
-        let parts = &self.weights[self.weight_offsets[body.index] as usize + stage * row_length..][..row_length];
-        if palette.mode == Mode::Linear {
-            let [x, y, z] = rows.place.each_ref().map(|row| row.as_chunks::<BLOCK>().0);
-            let (to, from) = (palette.alone(motion), palette.alone(parent));
-            for (axis, row) in rows.blend.iter_mut().take(3).enumerate() {
-                let at = |column: usize| f64x8::splat(simd, to[column][axis] - from[column][axis]);
-                let (a, b, c, d) = (at(0), at(1), at(2), at(3));
-                for (number, (q, part)) in row.as_chunks_mut().0.iter_mut().zip(parts.as_chunks::<BLOCK>().0).enumerate() {
-                    let (x, y) = (f64x8::simd_from(simd, x[number]), f64x8::simd_from(simd, y[number]));
-                    let moved = a * x + b * y + c * f64x8::simd_from(simd, z[number]) + d;
-                    *q = (f64x8::simd_from(simd, *q) + f64x8::simd_from(simd, *part) * moved).into();
+        let stretches = body.slots.len().div_ceil(PATCH_POINTS);
+        let first_row = self.first_rows[body.index] as usize + stage * stretches;
+        for stretch in 0..stretches {
+            let (held, parts) = self.weights.row(first_row + stretch);
+            let first = stretch * (PATCH_POINTS / BLOCK);
+            let blocks = || held.numbered(parts).map(|(number, part)| (first + number, part));
+            if palette.mode == Mode::Linear {
+                let (to, from) = (palette.alone(motion), palette.alone(parent));
+                let turned = Eightfold::new(simd, |column, axis| to[column][axis] - from[column][axis]);
+                let places = self.places(body, &rows.place);
+                let [qx, qy, qz] = blocks_of(&mut rows.blend);
+                for (number, part) in blocks() {
+                    let [x, y, z] = turned.of(simd, places, number);
+                    add_parts(simd, &mut qx[number], part, x);
+                    add_parts(simd, &mut qy[number], part, y);
+                    add_parts(simd, &mut qz[number], part, z);
+                }
+                continue;
+            }
+            let (to, from) = (palette.dual(motion), palette.dual(parent));
+            let turned = sub(to.rotation, from.rotation);
+            for (row, turned) in rows.blend.iter_mut().zip(turned) {
+                let (row, _) = row.as_chunks_mut();
+                for (number, part) in blocks() {
+                    add_parts(simd, &mut row[number], part, f64x8::splat(simd, turned));
                 }
             }
-            return;
+            let dual = std::array::from_fn(|i| sub(to.dual[i], from.dual[i]));
+            add_dual(simd, rows, &blocks, dual, to.has_scale || from.has_scale);
         }
-        let (to, from) = (palette.dual(motion), palette.dual(parent));
-        let turned = sub(to.rotation, from.rotation);
-        for (row, turned) in rows.blend.iter_mut().zip(turned) {
-            for (q, part) in row[..count].iter_mut().zip(parts) {
-                *q += part * turned;
-            }
-        }
-        let dual = std::array::from_fn(|i| sub(to.dual[i], from.dual[i]));
-        add_dual(rows, count, |i| parts[i], dual, to.has_scale || from.has_scale);
+    }
+}
+
+/// An affine map of eight points side by side.
+struct Eightfold<S: Simd> {
+    x: [f64x8<S>; 4],
+    y: [f64x8<S>; 4],
+    z: [f64x8<S>; 4],
+}
+
+impl<S: Simd> Eightfold<S> {
+    /// `at`: number in a column, of an axis.
+    #[inline(always)]
+    fn new(simd: S, at: impl Fn(usize, usize) -> f64) -> Self {
+        let of = |axis: usize| [0, 1, 2, 3].map(|column| at(column, axis));
+        let ([xa, xb, xc, xd], [ya, yb, yc, yd], [za, zb, zc, zd]) = (of(0), of(1), of(2));
+        let all = |value: f64| f64x8::splat(simd, value);
+        Self { x: [all(xa), all(xb), all(xc), all(xd)], y: [all(ya), all(yb), all(yc), all(yd)], z: [all(za), all(zb), all(zc), all(zd)] }
+    }
+
+    /// Images of the points of a block, one coordinate in each.
+    #[inline(always)]
+    fn of(&self, simd: S, [x, y, z]: [&[Block<f64>]; 3], number: usize) -> [f64x8<S>; 3] {
+        let (x, y) = (f64x8::simd_from(simd, x[number]), f64x8::simd_from(simd, y[number]));
+        let z = f64x8::simd_from(simd, z[number]);
+        [
+            self.x[0] * x + self.x[1] * y + self.x[2] * z + self.x[3],
+            self.y[0] * x + self.y[1] * y + self.y[2] * z + self.y[3],
+            self.z[0] * x + self.z[1] * y + self.z[2] * z + self.z[3],
+        ]
     }
 }
 
 /// Adds parts of a dual quaternion's dual part at each point.
 #[inline(always)]
-fn add_dual(rows: &mut Rows, count: usize, part: impl Fn(usize) -> f64, dual: [V4; 4], has_scale: bool) {
-    let [x, y, z] = rows.place.each_ref().map(|row| &row[..count]);
+fn add_dual<'a, S: Simd, I: Iterator<Item = (usize, &'a Block<f64>)>>(
+    simd: S,
+    rows: &mut Rows,
+    blocks: &impl Fn() -> I,
+    dual: [V4; 4],
+    has_scale: bool,
+) {
+    let [x, y, z] = rows.place.each_ref().map(|row| row.as_chunks::<BLOCK>().0);
     for (lane, row) in rows.dual.iter_mut().enumerate() {
-        let [d, a, b, c] = [dual[0][lane], dual[1][lane], dual[2][lane], dual[3][lane]];
-        let row = &mut row[..count];
+        let at = |column: usize| f64x8::splat(simd, dual[column][lane]);
+        let (d, a, b, c) = (at(0), at(1), at(2), at(3));
+        let (row, _) = row.as_chunks_mut();
         if has_scale {
-            for (i, sum) in row.iter_mut().enumerate() {
-                *sum += part(i) * (a * x[i] + b * y[i] + c * z[i] + d);
+            for (number, part) in blocks() {
+                let (x, y) = (f64x8::simd_from(simd, x[number]), f64x8::simd_from(simd, y[number]));
+                add_parts(simd, &mut row[number], part, a * x + b * y + c * f64x8::simd_from(simd, z[number]) + d);
             }
         } else {
-            for (i, sum) in row.iter_mut().enumerate() {
-                *sum += part(i) * d;
+            for (number, part) in blocks() {
+                add_parts(simd, &mut row[number], part, d);
             }
         }
     }
+}
+
+#[inline(always)]
+fn add_parts<S: Simd>(simd: S, sums: &mut Block<f64>, parts: &Block<f64>, of: f64x8<S>) {
+    *sums = (f64x8::simd_from(simd, *sums) + f64x8::simd_from(simd, *parts) * of).into();
 }
 
 /// Positions of all points, armature space − origin; of whole blocks, those beyond the last point mean nothing.
@@ -403,6 +471,12 @@ fn place_all<S: Simd>(simd: S, body: Body, rows: &Rows, positions: &mut [V4]) {
 #[inline(always)]
 fn block<'a>(row: &'a &mut [f64], number: usize) -> &'a [f64; BLOCK] {
     &row.as_chunks().0[number]
+}
+
+/// Blocks of the first three rows.
+#[inline(always)]
+fn blocks_of<'a>([x, y, z, _]: &'a mut [&mut [f64]; 4]) -> [&'a mut [Block<f64>]; 3] {
+    [x, y, z].map(|row| row.as_chunks_mut().0)
 }
 
 #[inline(always)]

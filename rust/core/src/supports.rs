@@ -3,8 +3,11 @@
 //! A joint acts on skin that follows its own bone, its parent or its children, near it at rest. Nearness in the pose is
 //! not enough: a hand that rests on a belly must not swell with it.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
+use crate::block_rows::{Block, BlockRows, Held};
 use crate::csr::Csr;
 use crate::joint::Joint;
 use crate::patches::{LANES, Patches};
@@ -27,14 +30,37 @@ const STRAY_WEIGHT: f64 = 0.02;
 pub(crate) struct Supports {
     /// Jobs that hold anything in each patch.
     pub jobs_of_patch: Csr<u32>,
-    /// Per patch and one past the last: where its weights start, one row of padded slots per job.
-    pub weight_offsets: Vec<u32>,
-    /// Vicinity in 0..1, over the point's rest area (MATH §2, density).
-    pub weights: Vec<f32>,
+    /// Per patch and one past the last: where its blocks of weights start.
+    pub block_offsets: Vec<u32>,
+    /// A row per job of each patch: vicinity in 0..1, over the point's rest area (MATH §2, density).
+    weights: BlockRows<f32>,
     /// Job that gives back each job's loss: itself, else the nearest above that holds anything; `None`: the whole shell.
     pub heirs: Vec<Option<u32>>,
     /// Length of each joint, armature space: the unit of its profiles. 0: no extent, no support.
     pub lengths: Vec<f64>,
+}
+
+/// What one joint may move of a patch.
+#[derive(Clone, Copy)]
+pub(crate) struct Support<'a> {
+    pub job: usize,
+    pub held: Held,
+    pub weights: &'a [Block<f32>],
+    /// Place of the first block among those of the patch.
+    start: usize,
+}
+
+impl Support<'_> {
+    /// Where anything lies that is kept for each weight of the patch.
+    #[inline(always)]
+    pub fn blocks(&self) -> Range<usize> {
+        self.start..self.start + self.weights.len()
+    }
+
+    /// Weight of an owned point of the patch.
+    pub fn weight(&self, place: usize) -> f32 {
+        self.held.rank(place / LANES).map_or(0.0, |block| self.weights[block][place % LANES])
+    }
 }
 
 impl Supports {
@@ -51,13 +77,12 @@ impl Supports {
         let lengths: Vec<f64> = automatic_lengths(tree, sites, rest).iter().zip(settings).map(|(l, s)| l * s.size).collect();
         let children = tree.children();
         let mut jobs_of_patch = Csr::default();
-        let mut weight_offsets = vec![0];
-        let mut weights: Vec<f32> = Vec::new();
+        let mut block_offsets = vec![0];
+        let mut weights = BlockRows::default();
         let mut has_hold = vec![false; jobs.len()];
         let mut near: Vec<(usize, f64)> = Vec::new();
         let mut rows: Vec<(u32, Vec<f32>)> = Vec::new();
         for patch in &patches.list {
-            let padded = patch.owned.next_multiple_of(LANES);
             rows.clear();
             for (place, slot) in (patch.start..patch.start + patch.owned).enumerate() {
                 let mut rest_place = DVec3::ZERO;
@@ -85,7 +110,7 @@ impl Supports {
                         continue;
                     }
                     let row = rows.iter().position(|r| r.0 == job).unwrap_or_else(|| {
-                        rows.push((job, vec![0.0; padded]));
+                        rows.push((job, vec![0.0; patch.owned]));
                         rows.len() - 1
                     });
                     rows[row].1[place] = weight;
@@ -94,9 +119,9 @@ impl Supports {
             rows.sort_by_key(|row| row.0);
             for (job, row) in &rows {
                 has_hold[*job as usize] = true;
-                weights.extend_from_slice(row);
+                weights.push_row(row);
             }
-            weight_offsets.push(weights.len() as u32);
+            block_offsets.push(weights.block_count() as u32);
             jobs_of_patch.push_row(rows.iter().map(|row| row.0));
         }
         weights.shrink_to_fit();
@@ -104,11 +129,29 @@ impl Supports {
             .iter()
             .map(|job| tree.chain(job.joint as usize).filter_map(|j| find_job(jobs, j, job.component)).find(|&j| has_hold[j as usize]))
             .collect();
-        Self { jobs_of_patch, weight_offsets, weights, heirs, lengths }
+        Self { jobs_of_patch, block_offsets, weights, heirs, lengths }
+    }
+
+    /// Weights of the jobs that hold anything in a patch.
+    #[inline(always)]
+    pub fn of_patch(&self, patch: usize) -> impl Iterator<Item = Support<'_>> {
+        let first = self.jobs_of_patch.offsets()[patch] as usize;
+        let mut start = 0;
+        self.jobs_of_patch.row(patch).iter().enumerate().map(move |(row, &job)| {
+            let (held, weights) = self.weights.row(first + row);
+            let support = Support { job: job as usize, held, weights, start };
+            start += weights.len();
+            support
+        })
+    }
+
+    /// Blocks of all weights.
+    pub fn block_count(&self) -> usize {
+        self.weights.block_count()
     }
 
     pub fn memory_bytes(&self) -> usize {
-        self.jobs_of_patch.memory_bytes() + size_of_val(&*self.weights) + size_of_val(&*self.heirs) + size_of_val(&*self.lengths)
+        self.jobs_of_patch.memory_bytes() + self.weights.memory_bytes() + size_of_val(&*self.heirs) + size_of_val(&*self.lengths)
     }
 }
 

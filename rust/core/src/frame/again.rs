@@ -108,7 +108,7 @@ impl Workspace {
     fn share_gaps(&mut self, binding: &Binding, supports: &Supports, first: &Outcome, again: &Again, of_slot: &[(f64, f64)]) {
         let mut lost = vec![0.0; self.jobs.len()];
         let mut lost_by_shell = vec![0.0; self.components.len()];
-        let mut weights: Vec<(u32, f64)> = Vec::new();
+        let mut weights: Vec<(usize, f64)> = Vec::new();
         for (index, patch) in binding.patches.list.iter().enumerate().filter(|(_, patch)| again.concerns[patch.component as usize]) {
             let (start, end) = (patch.start, binding.patches.slot_offsets[index + 1] as usize);
             for slot in (start..end).filter(|&slot| of_slot[slot].0 < 1.0) {
@@ -118,16 +118,16 @@ impl Workspace {
                 let slope = [0, 1, 2].map(|axis| f64::from(self.gradient[axis][slot]) * moved[axis]);
                 let part = (1.0 - of_slot[slot].0) * slope.iter().sum::<f64>() * binding.area_unit;
                 weights.clear();
-                for (row, &job) in supports.jobs_of_patch.row(index).iter().enumerate() {
-                    let state = &self.jobs[job as usize];
-                    let weight = supports.weights[supports.weight_offsets[index] as usize + row * (end - start) + slot - start];
+                for support in supports.of_patch(index) {
+                    let state = &self.jobs[support.job];
+                    let weight = support.weight(slot - start);
                     if state.frame.is_active && weight > 0.0 {
-                        weights.push((job, f64::from(weight) * state.volume.abs()));
+                        weights.push((support.job, f64::from(weight) * state.volume.abs()));
                     }
                 }
                 let sum: f64 = weights.iter().map(|(_, weight)| weight).sum();
                 for &(job, weight) in weights.iter().filter(|_| sum > 0.0) {
-                    lost[job as usize] += part * weight / sum;
+                    lost[job] += part * weight / sum;
                 }
                 if sum <= 0.0 {
                     lost_by_shell[patch.component as usize] += part;

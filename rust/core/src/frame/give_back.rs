@@ -6,10 +6,12 @@ use super::again::Again;
 use super::scratch::{Scratch, with_scratch};
 use super::{JobState, Workspace, in_single_precision, ragged};
 use crate::binding::Binding;
+use crate::block_rows::Held;
 use crate::correction::{Field, Hold};
 use crate::fields::{self, FieldRows, Move};
 use crate::joint::Joint;
 use crate::lanes::{V4, add};
+use crate::patches::LANES;
 use crate::split::{Ragged, for_each_piece};
 use crate::supports::Supports;
 use crate::sweeps::{Buffer, GRADIENT_PARTS};
@@ -60,7 +62,7 @@ impl Workspace {
     pub(super) fn hold(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pass: Pass) {
         let (patches, jobs, sources, mask) = (&binding.patches, &self.jobs, &self.sources, self.mask.as_deref());
         let (places, has_profiles) = (self.skinned.near.each_ref().map(|c| &**c), !self.profiled.is_empty());
-        let profile_offsets = if has_profiles { &supports.weight_offsets } else { &patches.no_rows };
+        let profile_offsets = if has_profiles { &supports.block_offsets } else { &patches.no_rows };
         for_each_piece(
             patches.list.len(),
             (
@@ -87,33 +89,34 @@ impl Workspace {
                         fields::mask(&mask.of_slot[slots.clone()], directions, volumes, lengths);
                     }
                     let places = places.map(|row| &row[slots.clone()]);
-                    sums[0].wide_hold = fields::sum_and_most(areas, volumes, lengths).0;
-                    let row_length = slots.len();
-                    for (row, (&job, hold)) in supports.jobs_of_patch.row(index).iter().zip(holds.values).enumerate() {
-                        let state = &jobs[job as usize];
+                    let (all, _) = areas.as_chunks();
+                    sums[0].wide_hold = fields::sum_and_most(Held::first(all.len()), all, volumes, lengths).0;
+                    for (support, hold) in supports.of_patch(index).zip(holds.values) {
+                        let state = &jobs[support.job];
                         *hold = Hold::default();
-                        if !state.frame.is_active || !pass.concerns(job as usize) {
+                        if !state.frame.is_active || !pass.concerns(support.job) {
                             continue;
                         }
-                        let at = row * row_length..(row + 1) * row_length;
-                        let weights = &supports.weights[supports.weight_offsets[index] as usize..][at.clone()];
+                        let (held, weights, at) = (support.held, support.weights, support.blocks());
                         let profiles =
-                            settings[binding.plan.jobs[job as usize].joint as usize].profiles.as_ref().filter(|_| state.frame.has_axes());
-                        let bell = &mut bell[..row_length];
-                        let [all, round] = fields::bell_sums(weights, places, &state.frame, volumes, lengths, bell);
+                            settings[binding.plan.jobs[support.job].joint as usize].profiles.as_ref().filter(|_| state.frame.has_axes());
+                        let bell = &mut bell[..weights.len()];
+                        let [all, round] = fields::bell_sums(support, places, &state.frame, volumes, lengths, bell);
                         if let (Pass::All, Some(profiles)) = (pass, profiles) {
-                            for (i, profiled) in profiled.values[at.clone()].iter_mut().enumerate() {
-                                let p = places.map(|row| f64::from(row[i]));
-                                *profiled = weights[i] * state.frame.height(profiles, DVec3::from_array(p)) as f32;
+                            for ((number, weights), profiled) in held.numbered(weights).zip(&mut profiled.values[at.clone()]) {
+                                for (lane, profiled) in profiled.iter_mut().enumerate() {
+                                    let p = places.map(|row| f64::from(row[number * LANES + lane]));
+                                    *profiled = weights[lane] * state.frame.height(profiles, DVec3::from_array(p)) as f32;
+                                }
                             }
                         }
                         ((hold.all, hold.all_most), (hold.bell, hold.bell_most)) = (all, round);
-                        hold.unmasked = mask.map_or(hold.all, |_| fields::sum_and_most(weights, unmasked, lengths).0);
+                        hold.unmasked = mask.map_or(hold.all, |_| fields::sum_and_most(held, weights, unmasked, lengths).0);
                         if state.frame.has_axes() {
                             let shape = if profiles.is_some() { &profiled.values[at] } else { &*bell };
                             for (axis, e) in state.frame.axes.iter().enumerate() {
                                 (hold.along[axis], hold.along_most[axis]) =
-                                    fields::sum_and_most_along(shape, gradient, directions, e.as_vec3().to_array());
+                                    fields::sum_and_most_along(held, shape, gradient, directions, e.as_vec3().to_array());
                             }
                         }
                     }
@@ -185,24 +188,25 @@ impl Workspace {
                     fields::mask(&mask.of_slot[slots.clone()], directions, volumes, lengths);
                 }
                 let is_wide = !matches!(pass, Pass::Some(_));
-                sum.start(areas, if is_wide { [component.wide_field, component.wide_residual] } else { [0.0; 2] });
-                let bell = &mut bell[..slots.len()];
-                for (row, &job) in supports.jobs_of_patch.row(index).iter().enumerate() {
-                    let state = &jobs[job as usize];
-                    if !state.frame.is_active || !pass.concerns(job as usize) {
+                sum.start(areas.len());
+                let of_patch = supports.block_offsets[index] as usize..supports.block_offsets[index + 1] as usize;
+                let profiled = profiled.get(of_patch).unwrap_or_default();
+                for support in supports.of_patch(index) {
+                    let state = &jobs[support.job];
+                    if !state.frame.is_active || !pass.concerns(support.job) {
                         continue;
                     }
-                    let sign = if component.is_wide_only { 0.0 } else { state.volume.signum() as f32 };
-                    let at = supports.weight_offsets[index] as usize + row * slots.len();
-                    let at = at..at + slots.len();
-                    let weights = &supports.weights[at.clone()];
-                    sum.add_round(&state.field, sign, &state.frame, weights, places, bell);
+                    let bell = &mut bell[..support.weights.len()];
+                    let takes = state.volume.is_sign_negative();
+                    sum.add_round(takes, &state.field, support, places, &state.frame, bell);
                     if state.frame.has_axes() {
-                        let has_profiles = settings[binding.plan.jobs[job as usize].joint as usize].profiles.is_some();
-                        sum.add_shaped(&state.field, sign, if has_profiles { &profiled[at] } else { bell }, directions);
+                        let has_profiles = settings[binding.plan.jobs[support.job].joint as usize].profiles.is_some();
+                        let heights = if has_profiles { &profiled[support.blocks()] } else { &*bell };
+                        sum.add_shaped(takes, &state.field, support.held, heights, directions);
                     }
                 }
-                sum.end(directions, moves.values, &keep);
+                let shell = if is_wide { [component.wide_field, component.wide_residual] } else { [0.0; 2] };
+                sum.end(areas, shell, !component.is_wide_only, directions, moves.values, &keep);
             });
         });
     }

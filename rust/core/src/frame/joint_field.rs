@@ -3,12 +3,11 @@
 use glam::DVec3;
 
 use super::Workspace;
-use super::scratch::with_scratch;
 use crate::binding::Binding;
 use crate::correction::{FieldFrame, axes_of_bend, axes_of_no_bend};
 use crate::fields;
 use crate::joint::Joint;
-use crate::supports::Supports;
+use crate::supports::{Support, Supports};
 
 /// How one joint's field lies in object space, and how much of it each vertex has [MATH §3–4].
 #[derive(Debug, Clone, PartialEq)]
@@ -51,26 +50,22 @@ impl Workspace {
         let mut gamma = vec![0.0; patches.slot_count()];
         for (index, patch) in patches.list.iter().enumerate() {
             let slots = patch.start..patches.slot_offsets[index + 1] as usize;
-            let is_mine = |job: u32| binding.plan.jobs[job as usize].joint as usize == joint;
-            let Some(row) = supports.jobs_of_patch.row(index).iter().position(|&job| is_mine(job)) else { continue };
-            let frame = &self.jobs[supports.jobs_of_patch.row(index)[row] as usize].frame;
-            let weights = &supports.weights[supports.weight_offsets[index] as usize + row * slots.len()..][..slots.len()];
+            let is_mine = |support: &Support| binding.plan.jobs[support.job].joint as usize == joint;
+            let Some(support) = supports.of_patch(index).find(is_mine) else { continue };
+            let frame = &self.jobs[support.job].frame;
             let places = self.skinned.near.each_ref().map(|row| &row[slots.clone()]);
             let areas = &binding.inverse_areas[slots.clone()];
             let mask = self.mask.as_ref().map(|mask| &mask.of_slot[slots.clone()]);
             let profiles = settings[joint].profiles.as_ref().filter(|_| frame.has_axes());
-            with_scratch(|scratch| {
-                let bell = &mut scratch.fields.bell[..weights.len()];
-                fields::bell_heights(weights, places, frame, bell);
-                for (i, gamma) in gamma[slots].iter_mut().enumerate().filter(|(i, _)| weights[*i] > 0.0) {
-                    let weight = profiles.map_or(bell[i], |profiles| {
-                        let drawn = frame.height(profiles, DVec3::from_array(places.map(|row| f64::from(row[i])))) as f32;
-                        let part = frame.frame_part as f32;
-                        weights[i] * drawn * part + bell[i] * (1.0 - part)
-                    });
-                    *gamma = weight / areas[i] * mask.map_or(1.0, |mask| mask[i]);
-                }
-            });
+            let gamma = &mut gamma[slots];
+            for (place, weight, bell) in fields::bells(support, places, frame) {
+                let height = profiles.map_or(bell, |profiles| {
+                    let drawn = frame.height(profiles, DVec3::from_array(places.map(|row| f64::from(row[place])))) as f32;
+                    let part = frame.frame_part as f32;
+                    weight * drawn * part + bell * (1.0 - part)
+                });
+                gamma[place] = height / areas[place] * mask.map_or(1.0, |mask| mask[place]);
+            }
         }
         gamma
     }

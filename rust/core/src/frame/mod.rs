@@ -25,6 +25,7 @@ pub use self::joint_field::JointField;
 pub use self::refinement::RefinementNeed;
 pub(crate) use self::refinement::{Details, Needs};
 use crate::binding::Binding;
+use crate::block_rows::Block;
 use crate::correction::{Field, FieldFrame, Hold};
 use crate::error::{Error, Result};
 use crate::fields::Move;
@@ -137,8 +138,8 @@ pub struct Workspace {
     moves: Vec<Move>,
     /// Gradients as sweeps leave them, per local point of patches and corner of giants.
     sources: Vec<V4>,
-    /// Weight times profile, as in `Supports::weights`; empty while no joint has profiles.
-    profiled: Vec<f32>,
+    /// Weight times profile, for each weight of `Supports`; empty while no joint has profiles.
+    profiled: Vec<Block<f32>>,
     pub(crate) mask: Option<Arc<Mask>>,
     holds: Vec<Hold>,
     patches: Vec<PatchSums>,
@@ -222,7 +223,7 @@ impl Workspace {
             gradient: coordinates(),
             moves: vec![Move::default(); slots],
             sources: vec![lanes::ZERO; binding.patches.source_count()],
-            profiled: vec![0.0; if has_profiles { supports.weights.len() } else { 0 }],
+            profiled: vec![[0.0; LANES]; if has_profiles { supports.block_count() } else { 0 }],
             mask: None,
             holds: vec![Hold::default(); supports.jobs_of_patch.values().len()],
             patches: vec![PatchSums::default(); binding.patches.list.len()],

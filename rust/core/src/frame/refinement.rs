@@ -3,7 +3,6 @@
 use glam::DVec3;
 
 use super::Workspace;
-use super::scratch::with_scratch;
 use crate::binding::Binding;
 use crate::fields;
 use crate::joint::{Joint, Profiles};
@@ -92,34 +91,29 @@ impl Workspace {
             let places = self.skinned.near.each_ref().map(|row| &row[slots.clone()]);
             let areas = &binding.inverse_areas[slots.clone()];
             let mask = self.mask.as_ref().map(|mask| &mask.of_slot[slots.clone()]);
-            for (row, &job) in supports.jobs_of_patch.row(index).iter().enumerate() {
-                let state = &self.jobs[job as usize];
+            for support in supports.of_patch(index) {
+                let state = &self.jobs[support.job];
                 if !state.frame.is_active {
                     continue;
                 }
-                let joint = binding.plan.jobs[job as usize].joint as usize;
+                let joint = binding.plan.jobs[support.job].joint as usize;
                 let (detail, frame) = (&details.0[joint], &state.frame);
                 let counts = (frame.relative(state.volume) / LOSS_IN_FULL).min(1.0) as f32;
                 let per_length = (object_from_armature * supports.lengths[joint]).powi(-2);
                 let drawn_fineness = ((detail.plain + (detail.folded - detail.plain) * frame.folded()) * per_length) as f32;
                 let bell_fineness = (detail.bell * per_length) as f32;
-                let weights = &supports.weights[supports.weight_offsets[index] as usize + row * slots.len()..][..slots.len()];
                 let envelope = detail.envelope.as_ref().filter(|_| frame.has_axes());
                 let drawn_part = if envelope.is_some() { frame.frame_part as f32 } else { 0.0 };
-                with_scratch(|scratch| {
-                    let bell = &mut scratch.fields.bell[..weights.len()];
-                    fields::bell_heights(weights, places, frame, bell);
-                    for i in (0..weights.len()).filter(|&i| weights[i] > 0.0) {
-                        let drawn = envelope.map_or(0.0, |envelope| {
-                            weights[i] * frame.height(envelope, DVec3::from_array(places.map(|row| f64::from(row[i])))) as f32
-                        });
-                        let share = counts * mask.map_or(1.0, |mask| mask[i]) / areas[i];
-                        let (drawn, round) = (drawn * drawn_part * share, bell[i] * (1.0 - drawn_part) * share);
-                        let slot = slots.start + i;
-                        needs.gamma[slot] = needs.gamma[slot].max(drawn + round);
-                        needs.fineness[slot] = needs.fineness[slot].max(drawn * drawn_fineness + round * bell_fineness);
-                    }
-                });
+                for (place, weight, bell) in fields::bells(support, places, frame) {
+                    let drawn = envelope.map_or(0.0, |envelope| {
+                        weight * frame.height(envelope, DVec3::from_array(places.map(|row| f64::from(row[place])))) as f32
+                    });
+                    let share = counts * mask.map_or(1.0, |mask| mask[place]) / areas[place];
+                    let (drawn, round) = (drawn * drawn_part * share, bell * (1.0 - drawn_part) * share);
+                    let slot = slots.start + place;
+                    needs.gamma[slot] = needs.gamma[slot].max(drawn + round);
+                    needs.fineness[slot] = needs.fineness[slot].max(drawn * drawn_fineness + round * bell_fineness);
+                }
             }
         }
     }
