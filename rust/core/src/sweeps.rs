@@ -72,17 +72,18 @@ pub(crate) fn volume_and_gradient<S: Simd>(simd: S, patches: &Patches, patch: &P
     for strip in strips(patches, patch) {
         let nothing = Four::splat(simd, 0.0);
         let (mut a, mut d) = rung(simd, p, &strip[0]);
-        let (mut by_a, mut by_d) = (nothing, nothing);
+        let (mut by_a, mut by_d, mut behind) = (nothing, nothing, a + d);
         for ends in strip.windows(2) {
             let (b, c) = rung(simd, p, &ends[1]);
-            let (first, second, all) = (c - a, d - b, a + b + c + d);
+            let ahead = b + c;
+            let (first, second, all) = (c - a, d - b, behind + ahead);
             let area = first.cross(second);
             lanes24 += all.dot(area);
             let (by_first, by_second) = (first.cross(all), second.cross(all));
             (by_a + (area - by_second)).scatter_add(simd, gradient, ends[0][0]);
             (by_d + (area - by_first)).scatter_add(simd, gradient, ends[0][1]);
             (by_a, by_d) = (area + by_first, area + by_second);
-            (a, d) = (b, c);
+            (a, d, behind) = (b, c, ahead);
         }
         let [left, right] = strip[strip.len() - 1];
         by_a.scatter_add(simd, gradient, left);
@@ -124,10 +125,13 @@ pub(crate) fn volume_cubic<S: Simd>(simd: S, patches: &Patches, patch: &Patch, p
     let mut quads = none;
     for strip in strips(patches, patch) {
         let ((mut a, mut d), (mut ua, mut ud)) = (rung(simd, p, &strip[0]), rung(simd, u, &strip[0]));
+        let (mut behind, mut u_behind) = (a + d, ua + ud);
         for next in &strip[1..] {
             let ((b, c), (ub, uc)) = (rung(simd, p, next), rung(simd, u, next));
-            add_cone(&mut quads, [a + b + c + d, ua + ub + uc + ud], [c - a, uc - ua], [d - b, ud - ub]);
+            let (ahead, u_ahead) = (b + c, ub + uc);
+            add_cone(&mut quads, [behind + ahead, u_behind + u_ahead], [c - a, uc - ua], [d - b, ud - ub]);
             (a, d, ua, ud) = (b, c, ub, uc);
+            (behind, u_behind) = (ahead, u_ahead);
         }
     }
     let mut triangles = none;

@@ -191,21 +191,29 @@ fn gain<S: Simd>(simd: S, blocks: &[Block], numbers: &[f64], above: &Span, added
         of if of == joint => last,
         of => &added[usize::from(of)],
     };
-    let mut sum = f64x4::splat(simd, 0.0);
+    let none = f64x4::splat(simd, 0.0);
+    let mut sum = none;
+    // Of the block before, whose second joint is mostly the same: each of its columns crossed with each of the last's.
+    let (mut crossed_with, mut crosses) = (None, [[lanes::ZERO; 4]; 4]);
     for block in blocks {
         let (first, second) = (span_of(block.first), span_of(block.second));
+        if crossed_with != Some(block.second) {
+            crossed_with = Some(block.second);
+            crosses = last.map(|last| second.map(|second| cross(second, last)));
+        }
+        let mut weighted = [none; 4];
         let mut numbers = numbers[block.start as usize..].iter();
         // In the order of `functions`.
-        for (c, &last) in last.iter().enumerate() {
-            let mut crossed = lanes::ZERO;
-            for b in 0..if block.second == joint { c } else { 4 } {
-                let mut weighted = f64x4::splat(simd, 0.0);
-                for (first, &number) in first[..if block.first == block.second { b } else { 4 }].iter().zip(&mut numbers) {
-                    weighted += f64x4::simd_from(simd, *first) * number;
+        for (c, crosses) in crosses.iter().enumerate() {
+            for (b, crossed) in crosses[..if block.second == joint { c } else { 4 }].iter().enumerate() {
+                let crossed = f64x4::simd_from(simd, *crossed);
+                for (weighted, &number) in weighted[..if block.first == block.second { b } else { 4 }].iter_mut().zip(&mut numbers) {
+                    *weighted += crossed * number;
                 }
-                crossed = add(crossed, cross(weighted.into(), second[b]));
             }
-            sum += f64x4::simd_from(simd, crossed) * f64x4::simd_from(simd, last);
+        }
+        for (first, weighted) in first.iter().zip(weighted) {
+            sum += f64x4::simd_from(simd, *first) * weighted;
         }
     }
     lanes::sum(sum.into())
