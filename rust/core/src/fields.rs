@@ -348,9 +348,16 @@ impl FieldSum {
     }
 }
 
+/// Coordinates of four vectors (x, y, z, 0).
+#[inline(always)]
+pub(crate) fn coordinates<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 3] {
+    let (xy, xy_other) = (a.zip_low(c), b.zip_low(d));
+    [xy.zip_low(xy_other), xy.zip_high(xy_other), a.zip_high(c).zip_low(b.zip_high(d))]
+}
+
 /// (x, y, z, 0) of four vectors side by side.
 #[inline(always)]
-fn rows<S: Simd>(simd: S, [x, y, z]: [f32x4<S>; 3]) -> [f32x4<S>; 4] {
+pub(crate) fn rows<S: Simd>(simd: S, [x, y, z]: [f32x4<S>; 3]) -> [f32x4<S>; 4] {
     let none = f32x4::splat(simd, 0.0);
     let (xz, xz_after) = (x.zip_low(z), x.zip_high(z));
     let (y, y_after) = (y.zip_low(none), y.zip_high(none));

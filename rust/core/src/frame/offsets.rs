@@ -7,7 +7,7 @@ use fearless_simd::{Level, Simd, dispatch, f32x4, f64x4};
 
 use super::{ComponentState, Workspace};
 use crate::binding::Binding;
-use crate::fields::Move;
+use crate::fields::{self, Move};
 use crate::lanes::Four;
 use crate::patches::LANES;
 use crate::skinning::columns;
@@ -69,10 +69,10 @@ fn write_all<S: Simd>(simd: S, frame: &Workspace, binding: &Binding, to_object: 
     for vertex in vertices {
         let p = frame.skinned_vertex(binding, vertex);
         let step = step_of(&frame.components, binding.component_of_vertex[vertex]);
-        let offset = offset(simd, frame.moves.get(slot_of(vertex)), step, to_object);
+        let offset = in_object_space([own_offset(simd, frame.moves.get(slot_of(vertex)), step); 4], to_object);
         for (axis, value) in positions[vertex].iter_mut().enumerate() {
             let skinned = a[axis] * p.x + b[axis] * p.y + c[axis] * p.z + d[axis];
-            *value = (skinned + part * f64::from(offset[axis])) as f32;
+            *value = (skinned + part * f64::from(offset[axis][0])) as f32;
         }
     }
 }
@@ -88,21 +88,19 @@ fn eight_positions<S: Simd>(
     part: f64,
 ) -> [[f32; 4]; LANES] {
     let step = step_of(&frame.components, component);
-    let [early, late] = frame.skinned.eight(simd, number);
-    let skinned = [in_object(simd, frame, early).rows(simd), in_object(simd, frame, late).rows(simd)];
     let moves = &frame.moves.as_chunks::<LANES>().0[number];
-    let mut positions = [[0.0; 4]; LANES];
-    for (pair, rows) in positions.as_chunks_mut::<2>().0.iter_mut().enumerate() {
-        let (one, other) = (2 * pair, 2 * pair + 1);
-        let (one_offset, other_offset) =
-            (offset(simd, Some(&moves[one]), step, to_object), offset(simd, Some(&moves[other]), step, to_object));
-        let offsets = f32x4::simd_from(simd, one_offset).combine(f32x4::simd_from(simd, other_offset)).widen();
-        let half = &skinned[one / 4];
-        let both = (half[one % 4] + offsets.0 * part).narrow(half[other % 4] + offsets.1 * part);
-        let (first, second) = both.split();
-        *rows = [first.into(), second.into()];
+    let at = |place: usize| own_offset(simd, Some(&moves[place]), step);
+    let first = in_object_space([at(0), at(1), at(2), at(3)], to_object);
+    let second = in_object_space([at(4), at(5), at(6), at(7)], to_object);
+    let [early, late] = frame.skinned.eight(simd, number);
+    let (early, late) = (in_object(simd, frame, early).coordinates(), in_object(simd, frame, late).coordinates());
+    let (mut first_positions, mut second_positions) = (first, second);
+    for axis in 0..3 {
+        let (by, by_late) = first[axis].combine(second[axis]).widen();
+        (first_positions[axis], second_positions[axis]) = (early[axis] + by * part).narrow(late[axis] + by_late * part).split();
     }
-    positions
+    let ([p, q, r, s], [t, u, v, w]) = (fields::rows(simd, first_positions), fields::rows(simd, second_positions));
+    [p.into(), q.into(), r.into(), s.into(), t.into(), u.into(), v.into(), w.into()]
 }
 
 /// Object space, of points about the palette's origin.
@@ -127,14 +125,35 @@ fn write_some<S: Simd>(
     to_object: &[[f32; 4]; 3],
     offsets: &mut [[f32; 3]],
 ) -> f32 {
-    let mut largest = 0.0;
-    for ((row, &slot), &component) in offsets.iter_mut().zip(slots).zip(of_vertex) {
-        let u = offset(simd, moves.get(slot as usize), step(component), to_object);
-        let squared = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
-        largest = if squared > largest { squared } else { largest };
-        row.copy_from_slice(&u[..3]);
+    let at = |slot: u32, component: u32| own_offset(simd, moves.get(slot as usize), step(component));
+    let mut largest = f32x4::splat(simd, 0.0);
+    let ((rows, last_rows), (slots, last_slots)) = (offsets.as_chunks_mut::<4>(), slots.as_chunks::<4>());
+    let (components, last_components) = of_vertex.as_chunks::<4>();
+    for ((rows, &[p, q, r, s]), &[a, b, c, d]) in rows.iter_mut().zip(slots).zip(components) {
+        let [x, y, z] = in_object_space([at(p, a), at(q, b), at(r, c), at(s, d)], to_object);
+        largest = larger(x * x + y * y + z * z, largest);
+        let [a, b, c, d] = fields::rows(simd, [x, y, z]);
+        *rows = [first_three(a), first_three(b), first_three(c), first_three(d)];
+    }
+    let mut largest = <[f32; 4]>::from(largest).into_iter().fold(0.0, f32::max);
+    for ((row, &slot), &component) in last_rows.iter_mut().zip(last_slots).zip(last_components) {
+        let [x, y, z] = in_object_space([at(slot, component); 4], to_object);
+        *row = [x[0], y[0], z[0]];
+        largest = f32::max(largest, (x * x + y * y + z * z)[0]);
     }
     largest
+}
+
+#[inline(always)]
+fn first_three<S: Simd>(row: f32x4<S>) -> [f32; 3] {
+    let [x, y, z, _] = row.into();
+    [x, y, z]
+}
+
+/// The first where it is larger: numbers win over what is none.
+#[inline(always)]
+fn larger<S: Simd>(a: f32x4<S>, b: f32x4<S>) -> f32x4<S> {
+    a.simd_gt(b).select(a, b)
 }
 
 /// Step along the residual's field; not a number for loose points, which are of no component.
@@ -143,15 +162,19 @@ fn step_of(components: &[ComponentState], component: u32) -> f32 {
     if let Some(state) = components.get(component as usize) { state.step as f32 } else { f32::NAN }
 }
 
-/// Corrected − skinned of a point, object space; no point, and a step that is not a number, stay.
+/// Corrected − skinned of a point, armature space; no point, and a step that is not a number, stay.
 #[inline(always)]
-fn offset<S: Simd>(simd: S, point: Option<&Move>, step: f32, to_object: &[[f32; 4]; 3]) -> [f32; 4] {
-    let Some(Move { by, residual }) = point else { return [0.0; 4] };
-    if step.is_nan() {
-        return [0.0; 4];
+fn own_offset<S: Simd>(simd: S, point: Option<&Move>, step: f32) -> f32x4<S> {
+    match point {
+        Some(Move { by, residual }) if !step.is_nan() => f32x4::simd_from(simd, *by) + f32x4::simd_from(simd, *residual) * step,
+        _ => f32x4::splat(simd, 0.0),
     }
-    let u: [f32; 4] = (f32x4::simd_from(simd, *by) + f32x4::simd_from(simd, *residual) * step).into();
-    let (x, y) = (f32x4::simd_from(simd, to_object[0]), f32x4::simd_from(simd, to_object[1]));
-    let z = f32x4::simd_from(simd, to_object[2]);
-    (x * u[0] + y * u[1] + z * u[2]).into()
+}
+
+/// Coordinates of four offsets in object space.
+#[inline(always)]
+fn in_object_space<S: Simd>(offsets: [f32x4<S>; 4], to_object: &[[f32; 4]; 3]) -> [f32x4<S>; 3] {
+    let [x, y, z] = fields::coordinates(offsets);
+    let [of_x, of_y, of_z] = to_object;
+    [x * of_x[0] + y * of_y[0] + z * of_z[0], x * of_x[1] + y * of_y[1] + z * of_z[1], x * of_x[2] + y * of_y[2] + z * of_z[2]]
 }
