@@ -120,7 +120,8 @@ def _write_graph(group: bpy.types.GeometryNodeTree) -> None:
     offset = node("GeometryNodeInputNamedAttribute", 1, 3, data_type="FLOAT_VECTOR")
     offset.inputs["Name"].default_value = OFFSET_ATTRIBUTE
     index = node("GeometryNodeInputIndex", 1, 4)
-    sample = node("GeometryNodeSampleIndex", 2, 2, data_type="FLOAT_VECTOR", domain="POINT")
+    # Nothing is clamped where the counts agree; asking for it is cheaper than having every index looked at.
+    sample = node("GeometryNodeSampleIndex", 2, 2, data_type="FLOAT_VECTOR", domain="POINT", clamp=True)
     own_count = node("GeometryNodeAttributeDomainSize", 2, 0, component="MESH")
     carrier_count = node("GeometryNodeAttributeDomainSize", 2, 1, component="MESH")
     counts_agree = node("FunctionNodeCompare", 3, 1, data_type="INT", operation="EQUAL")
@@ -128,9 +129,13 @@ def _write_graph(group: bpy.types.GeometryNodeTree) -> None:
     is_on = node("GeometryNodeSwitch", 2, 5, input_type="BOOLEAN")
     is_live = node("FunctionNodeBooleanMath", 4, 2, operation="AND")
     factor = node("GeometryNodeSwitch", 5, 2, input_type="FLOAT")
-    scaled = node("ShaderNodeVectorMath", 6, 2, operation="SCALE")
-    moved = node("GeometryNodeSetPosition", 7, 0)
-    outputs = node("NodeGroupOutput", 8, 0)
+    scaled = node("ShaderNodeVectorMath", 6, 3, operation="SCALE")
+    # All of it, the usual case, without a pass over the vertices that changes nothing.
+    is_whole = node("FunctionNodeCompare", 6, 2, data_type="FLOAT", operation="EQUAL")
+    is_whole.inputs["Epsilon"].default_value = 0.0
+    added = node("GeometryNodeSwitch", 7, 2, input_type="VECTOR")
+    moved = node("GeometryNodeSetPosition", 8, 0)
+    outputs = node("NodeGroupOutput", 9, 0)
 
     given = {socket.identifier: socket for socket in inputs.outputs}
     link(given[GEOMETRY], own_count.inputs["Geometry"], moved.inputs["Geometry"])
@@ -148,8 +153,12 @@ def _write_graph(group: bpy.types.GeometryNodeTree) -> None:
     link(is_live.outputs["Boolean"], factor.inputs["Switch"])
     link(given[STRENGTH], _enabled(factor.inputs, "True"))
     link(_enabled(sample.outputs, "Value"), scaled.inputs[0])
-    link(_enabled(factor.outputs, "Output"), scaled.inputs["Scale"])
-    link(scaled.outputs["Vector"], moved.inputs["Offset"])
+    link(_enabled(factor.outputs, "Output"), scaled.inputs["Scale"], _enabled(is_whole.inputs, "A"))
+    _enabled(is_whole.inputs, "B").default_value = 1.0
+    link(is_whole.outputs["Result"], _enabled(added.inputs, "Switch"))
+    link(scaled.outputs["Vector"], _enabled(added.inputs, "False"))
+    link(_enabled(sample.outputs, "Value"), _enabled(added.inputs, "True"))
+    link(_enabled(added.outputs, "Output"), moved.inputs["Offset"])
     link(moved.outputs["Geometry"], outputs.inputs[0])
 
 

@@ -79,7 +79,7 @@ impl<'a> Rows<'a> {
 }
 
 /// Bodies that more joints deform are skinned vertex by vertex, unless losses are measured by stages.
-const JOINTS_MAX: usize = 16;
+const JOINTS_MAX: usize = 32;
 
 impl Stages {
     /// Bodies are patches, then giants. `measures`: losses are to be measured.
