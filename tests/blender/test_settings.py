@@ -32,6 +32,20 @@ def test_every_preset_is_exact_and_looks_different(route, preset):
     assert relative_error(ob, rest) < VOLUME_TOLERANCE
 
 
+def test_strength_of_the_modifier_is_the_part_that_shows(route):
+    inputs = importlib.import_module("addon.scene.modifier_inputs")
+    node_group = importlib.import_module("addon.scene.node_group")
+    ob, _ = character()
+    skinned = _shown(ob)
+    add_turgor(ob)
+    corrected = _shown(ob)
+    for strength in (0.0, 0.25, 1.0):
+        inputs.write_input(ob.modifiers["Turgor Volume"], node_group.STRENGTH, strength)
+        ob.update_tag()
+        assert np.abs(_shown(ob) - (skinned + strength * (corrected - skinned))).max() < 1e-6
+    assert (_shown(ob) == corrected).all()
+
+
 @pytest.mark.parametrize("preset", PRESETS[:-1])
 def test_custom_starts_from_the_preset_before(route, preset):
     ob, _ = character(rings=61)

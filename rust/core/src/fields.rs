@@ -301,13 +301,13 @@ impl FieldSum {
         &self,
         inverse_areas: &[f32],
         shell: [f64; 2],
-        joints_count: bool,
+        joints_contribute: bool,
         directions: &[Row; 3],
         moves: &mut [Move],
         keep: &impl Fn(&mut Move, Move),
     ) {
         let shell = shell.map(|s| s as f32);
-        let joints = if joints_count { 1.0 } else { 0.0 };
+        let joints = if joints_contribute { 1.0 } else { 0.0 };
         dispatch!(Level::new(), simd => self.end_by_lanes(simd, inverse_areas, shell, joints, directions, moves, keep));
     }
 
