@@ -10,8 +10,8 @@ import bpy
 import numpy as np
 
 from ..evaluated import evaluated
-from ..live import extension_module, turn_on
-from .runners import Runner, runners
+from ..live import extension_module
+from .runners import Runner, runners, turn_on_as
 
 FRAME_COUNT = 250
 ROW = "{:<28}{:>9}{:>10}{:>10}{:>7}{:>12}{:>7}{:>12}{:>7}"
@@ -35,10 +35,7 @@ def run(turn_count: int, folder: str) -> None:
 
 
 def _row(runner: Runner, body: bpy.types.Object, turn_count: int, folder: str) -> list[str]:
-    body.modifiers["Armature"].use_deform_preserve_volume = runner.is_dual
-    problem = turn_on(body)
-    if problem is not None:
-        raise SystemExit(f"{runner.name}: {problem}")
+    turn_on_as(runner, body)
     # Within what is animated: on every frame all bones move.
     scene = bpy.context.scene
     frames = np.linspace(scene.frame_start, scene.frame_end, FRAME_COUNT)

@@ -12,8 +12,8 @@ import bpy
 from blend_fixtures.character import Character
 
 from ..evaluated import evaluated, modifier_after
-from ..live import frame_times, quiet, turn_on, volume_modifier
-from .runners import LARGE_TUBE, Runner, runners
+from ..live import frame_times, quiet, volume_modifier
+from .runners import LARGE_TUBE, Runner, runners, turn_on_as
 
 FRAME_COUNT = 12
 # From frame to frame all bones move well.
@@ -58,12 +58,9 @@ def timed(runner: Runner, character: Character, turn_count: int) -> Times:
     """The least of each, with Turgor right after the Armature as the last modifier."""
     body = character.body
     armature = body.modifiers["Armature"]
-    armature.use_deform_preserve_volume = runner.is_dual
     while (later := modifier_after(body, armature)) is not None:
         body.modifiers.remove(later)
-    problem = turn_on(body)
-    if problem is not None:
-        raise SystemExit(f"{runner.name}: {problem}")
+    turn_on_as(runner, body)
     ours = volume_modifier(body)
     armature_times, engine_times, frames, live_frames = [], [], [], []
     for _ in range(turn_count):

@@ -12,6 +12,8 @@ from blend_fixtures import elephant
 from blend_fixtures.character import Bone, Character, make_character, make_mesh
 from blend_fixtures.posing import key_poses
 
+from ..live import turn_on
+
 # Rings, and points of each.
 SMALL, LARGE = (151, 44), (400, 250)
 LARGE_TUBE = "large tube"
@@ -22,11 +24,12 @@ ANGLES = (100.0, 60.0, 70.0)
 
 
 class Runner(NamedTuple):
-    """A character, and whether its Armature blends dual quaternions."""
+    """A character, whether its Armature blends dual quaternions, and the preset of all joints that are listed."""
 
     name: str
     build: Callable[[], Character]
     is_dual: bool = False
+    preset: str | None = None
 
 
 def runners() -> list[Runner]:
@@ -38,8 +41,20 @@ def runners() -> list[Runner]:
         Runner(LARGE_TUBE, lambda: tube(*LARGE, 17), is_dual=True),
         Runner(LARGE_TUBE, lambda: tube(*LARGE, 200)),
         Runner("elephant", elephant.build),
+        Runner("elephant, Muscle", elephant.build, preset="MUSCLE"),
         Runner("elephant, twice subdivided", dense_elephant),
     ]
+
+
+def turn_on_as(runner: Runner, body: bpy.types.Object) -> None:
+    """Turgor right after the Armature."""
+    body.modifiers["Armature"].use_deform_preserve_volume = runner.is_dual
+    problem = turn_on(body)
+    if problem is not None:
+        raise SystemExit(f"{runner.name}: {problem}")
+    if runner.preset is not None:
+        for joint in body.turgor.joints:
+            joint.preset = runner.preset
 
 
 def tube(ring_count: int, side_count: int, bone_count: int) -> Character:

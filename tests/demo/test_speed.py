@@ -29,7 +29,7 @@ def printed() -> str:
 def test_times_characters_of_both_sizes_by_both_blends(printed: str):
     rows = TIMES.findall(printed)
     sizes = [(name.strip(), count, bones, blend) for name, count, bones, blend, *_ in rows]
-    assert len(sizes) == len(set(sizes)) == 7
+    assert len(sizes) == len(set(sizes)) == 8
     for count in ("6,646", "100,002"):
         assert {blend for _, found, bones, blend in sizes if (found, bones) == (count, "17")} == {"linear", "dual"}
     assert any((count, bones) == ("100,002", "200") for _, count, bones, _ in sizes)

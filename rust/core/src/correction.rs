@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::joint::{Joint, Profiles, Shares};
+use crate::joint::{Joint, Shares};
 use crate::motions::Motions;
 
 /// Sine of the bend at which half of the volume follows the joint's frame, half needs none.
@@ -110,22 +110,6 @@ impl FieldFrame {
     /// Whether any of the volume goes along the axes.
     pub fn has_axes(&self) -> bool {
         self.frame_part > 0.0
-    }
-
-    /// Height of the joint's profile at a point; the bell without one.
-    #[inline]
-    pub fn height(&self, profiles: &Profiles, p: DVec3) -> f64 {
-        let x = (p - self.origin) * self.inverse_length;
-        let at = |axis: usize| {
-            let x = self.axes[axis].dot(x);
-            let plain = profiles.axes[axis].at(x);
-            match &profiles.folded {
-                Some((folded, _)) => plain + (folded[axis].at(x) - plain) * self.folded,
-                None => plain,
-            }
-        };
-        let height = at(1) * at(2);
-        if height > 0.0 { height * at(0) } else { 0.0 }
     }
 }
 

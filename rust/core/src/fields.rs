@@ -7,8 +7,8 @@ use fearless_simd::{Level, Simd, dispatch, f32x4, f32x8};
 
 use crate::block_rows::{Block, Held};
 use crate::correction::{Field, FieldFrame};
+use crate::heights::{Bell, Heights, NO_HEIGHTS};
 use crate::patches::{LANES, PATCH_POINTS};
-use crate::profile::{BELL_END, BELL_WIDTH};
 use crate::supports::Support;
 
 /// One number per owned point of a patch.
@@ -60,59 +60,6 @@ fn mask_by_lanes<S: Simd>(_: S, mask: &[f32], directions: &mut [Row; 3], volumes
         for (value, m) in row[..mask.len()].iter_mut().zip(mask) {
             *value *= m;
         }
-    }
-}
-
-/// Place, weight, and weight times bell of the points of a patch that a joint may move.
-pub(crate) fn bells(support: Support, places: Rows, frame: &FieldFrame) -> impl Iterator<Item = (usize, f32, f32)> {
-    let mut heights = NO_ROW;
-    let (rows, _) = heights.as_chunks_mut();
-    dispatch!(Level::new(), simd => bells_by_lanes(simd, support, places, frame, rows));
-    let blocks = support.held.numbered(support.weights).enumerate();
-    let points = blocks.flat_map(move |(row, (number, weights))| {
-        (0..LANES).map(move |lane| (number * LANES + lane, weights[lane], heights[row * LANES + lane]))
-    });
-    points.filter(|(_, weight, _)| *weight > 0.0)
-}
-
-#[inline(always)]
-fn bells_by_lanes<S: Simd>(simd: S, support: Support, places: Rows, frame: &FieldFrame, heights: &mut [Block<f32>]) {
-    let bell = Bell::new(simd, places, frame);
-    for ((number, weights), heights) in support.held.numbered(support.weights).zip(heights) {
-        *heights = bell.times(simd, weights, number).into();
-    }
-}
-
-/// A joint's bell over the points of one patch, eight at a time.
-struct Bell<'a, S: Simd> {
-    places: [&'a [[f32; LANES]]; 3],
-    origin: [f32x8<S>; 3],
-    narrowness: f32,
-}
-
-impl<'a, S: Simd> Bell<'a, S> {
-    #[inline(always)]
-    fn new(simd: S, [x, y, z]: Rows<'a>, frame: &FieldFrame) -> Self {
-        let [a, b, c] = frame.origin.as_vec3().to_array();
-        Self {
-            places: [x.as_chunks().0, y.as_chunks().0, z.as_chunks().0],
-            origin: [f32x8::splat(simd, a), f32x8::splat(simd, b), f32x8::splat(simd, c)],
-            narrowness: (frame.inverse_length * frame.inverse_length / (BELL_WIDTH * BELL_WIDTH * BELL_END)) as f32,
-        }
-    }
-
-    /// Weights times the heights at the points of a chunk.
-    #[inline(always)]
-    fn times(&self, simd: S, weights: &[f32; LANES], number: usize) -> f32x8<S> {
-        let u = f32x8::simd_from(simd, self.places[0][number]) - self.origin[0];
-        let v = f32x8::simd_from(simd, self.places[1][number]) - self.origin[1];
-        let w = f32x8::simd_from(simd, self.places[2][number]) - self.origin[2];
-        let (none, all) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
-        let base = all - (u * u + v * v + w * w) * self.narrowness;
-        let base = base.simd_gt(none).select(base, none);
-        let square = base * base;
-        let fourth = square * square;
-        f32x8::simd_from(simd, *weights) * (fourth * fourth)
     }
 }
 
@@ -182,33 +129,44 @@ fn sum_and_most_by_lanes<S: Simd>(_: S, held: Held, weights: &[Block<f32>], volu
     (sum_of(sums), largest(most))
 }
 
-/// Σ w·(g·e)(d·e) and the largest w·|d·e|.
-pub(crate) fn sum_and_most_along(held: Held, weights: &[Block<f32>], gradient: Rows, directions: &[Row; 3], axis: [f32; 3]) -> (f64, f64) {
-    dispatch!(Level::new(), simd => sum_and_most_along_by_lanes(simd, held, weights, gradient, directions, axis))
+/// Σ w·(g·e)(d·e) and the largest w·|d·e|, for each of three axes.
+pub(crate) fn sums_along(
+    held: Held,
+    heights: &[Block<f32>],
+    gradient: Rows,
+    directions: &[Row; 3],
+    axes: [[f32; 3]; 3],
+) -> [(f64, f64); 3] {
+    dispatch!(Level::new(), simd => sums_along_by_lanes(simd, held, heights, gradient, directions, axes))
 }
 
 #[inline(always)]
-fn sum_and_most_along_by_lanes<S: Simd>(
-    _: S,
+fn sums_along_by_lanes<S: Simd>(
+    simd: S,
     held: Held,
-    weights: &[Block<f32>],
+    heights: &[Block<f32>],
     gradient: Rows,
     directions: &[Row; 3],
-    axis: [f32; 3],
-) -> (f64, f64) {
-    let (mut sums, mut most) = ([0.0f32; LANES], [0.0f32; LANES]);
+    axes: [[f32; 3]; 3],
+) -> [(f64, f64); 3] {
+    let none = f32x8::splat(simd, 0.0);
+    let (mut sums, mut most) = ([none; 3], [none; 3]);
     let [x, y, z] = gradient.map(|row| row.as_chunks::<LANES>().0);
     let [dx, dy, dz] = directions.each_ref().map(|row| row.as_chunks::<LANES>().0);
-    for (number, w) in held.numbered(weights) {
-        for i in 0..LANES {
-            let slope = x[number][i] * axis[0] + y[number][i] * axis[1] + z[number][i] * axis[2];
-            let along = dx[number][i] * axis[0] + dy[number][i] * axis[1] + dz[number][i] * axis[2];
-            let moved = w[i] * along.abs();
-            sums[i] += moved * slope.abs();
-            most[i] = if moved > most[i] { moved } else { most[i] };
+    for (number, height) in held.numbered(heights) {
+        let height = f32x8::simd_from(simd, *height);
+        let (x, y) = (f32x8::simd_from(simd, x[number]), f32x8::simd_from(simd, y[number]));
+        let (z, dx) = (f32x8::simd_from(simd, z[number]), f32x8::simd_from(simd, dx[number]));
+        let (dy, dz) = (f32x8::simd_from(simd, dy[number]), f32x8::simd_from(simd, dz[number]));
+        for axis in 0..3 {
+            let [a, b, c] = axes[axis];
+            let moved = height * (dx * a + dy * b + dz * c).abs();
+            sums[axis] += moved * (x * a + y * b + z * c).abs();
+            most[axis] = larger(moved, most[axis]);
         }
     }
-    (sum_of(sums), largest(most))
+    let of = |axis: usize| (sum_of(sums[axis].into()), largest(most[axis].into()));
+    [of(0), of(1), of(2)]
 }
 
 /// How one point moves, (x, y, z, 0): on one cache line, since sweeps and vertices pick points one by one.
@@ -237,7 +195,7 @@ pub(crate) struct FieldRows {
     /// Volumes without the mask.
     pub unmasked: Row,
     /// Weight times bell, for each block of weights of one joint.
-    pub bell: [Block<f32>; PATCH_POINTS / LANES],
+    pub bell: Heights,
 }
 
 /// What the fields of a patch and the residual's field add to its points: the same up to the sign of those that take.
@@ -254,7 +212,7 @@ const NO_ROW: Row = [0.0; PATCH_POINTS];
 
 impl FieldRows {
     pub const fn new() -> Self {
-        Self { directions: [NO_ROW; 3], volumes: NO_ROW, lengths: NO_ROW, unmasked: NO_ROW, bell: [[0.0; LANES]; PATCH_POINTS / LANES] }
+        Self { directions: [NO_ROW; 3], volumes: NO_ROW, lengths: NO_ROW, unmasked: NO_ROW, bell: NO_HEIGHTS }
     }
 }
 
@@ -386,17 +344,17 @@ fn add_round_by_lanes<S: Simd>(
 }
 
 #[inline(always)]
-fn add_shaped_by_lanes<S: Simd>(_: S, field: &Field, held: Held, heights: &[Block<f32>], directions: &[Row; 3], sums: &mut [Row; 3]) {
-    let m = field.shaped.as_mat3().to_cols_array();
+fn add_shaped_by_lanes<S: Simd>(simd: S, field: &Field, held: Held, heights: &[Block<f32>], directions: &[Row; 3], sums: &mut [Row; 3]) {
+    let [a, b, c] = field.shaped.as_mat3().to_cols_array_2d();
     let [dx, dy, dz] = directions.each_ref().map(|row| row.as_chunks::<LANES>().0);
-    for (axis, sum) in sums.iter_mut().enumerate() {
-        let (sum, _) = sum.as_chunks_mut::<LANES>();
-        let [a, b, c] = [m[axis], m[3 + axis], m[6 + axis]];
-        for (number, heights) in held.numbered(heights) {
-            for i in 0..LANES {
-                sum[number][i] += (dx[number][i] * a + dy[number][i] * b + dz[number][i] * c) * heights[i];
-            }
-        }
+    let [sx, sy, sz] = sums.each_mut().map(|row| row.as_chunks_mut::<LANES>().0);
+    for (number, height) in held.numbered(heights) {
+        let height = f32x8::simd_from(simd, *height);
+        let (dx, dy) = (f32x8::simd_from(simd, dx[number]), f32x8::simd_from(simd, dy[number]));
+        let dz = f32x8::simd_from(simd, dz[number]);
+        sx[number] = (f32x8::simd_from(simd, sx[number]) + (dx * a[0] + dy * b[0] + dz * c[0]) * height).into();
+        sy[number] = (f32x8::simd_from(simd, sy[number]) + (dx * a[1] + dy * b[1] + dz * c[1]) * height).into();
+        sz[number] = (f32x8::simd_from(simd, sz[number]) + (dx * a[2] + dy * b[2] + dz * c[2]) * height).into();
     }
 }
 

@@ -14,6 +14,7 @@ mod dual_quaternion;
 mod error;
 mod fields;
 mod frame;
+mod heights;
 mod joint;
 mod lanes;
 mod many_poses;

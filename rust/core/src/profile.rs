@@ -7,6 +7,8 @@ use crate::error::{Error, Result};
 pub struct Profile {
     samples: Vec<f64>,
     half_steps: f64,
+    /// Per step: its first height, and how much it rises, for whole lanes of points.
+    lines: Vec<[f32; 2]>,
 }
 
 impl Profile {
@@ -21,8 +23,18 @@ impl Profile {
         if let Some(row) = samples.iter().position(|s| !s.is_finite()) {
             return Err(Error::NotFinite { what: "profile", row });
         }
+        Ok(Self::of(samples.iter().map(|s| s.max(0.0)).collect()))
+    }
+
+    fn of(samples: Vec<f64>) -> Self {
         let half_steps = (samples.len() - 1) as f64 / 2.0;
-        Ok(Self { samples: samples.iter().map(|s| s.max(0.0)).collect(), half_steps })
+        let lines = samples.windows(2).map(|ends| [ends[0] as f32, (ends[1] - ends[0]) as f32]).collect();
+        Self { samples, half_steps, lines }
+    }
+
+    /// The straight lines of the curve, from −1 to 1.
+    pub(crate) fn lines(&self) -> &[[f32; 2]] {
+        &self.lines
     }
 
     /// Largest slope, over the largest height: how steep a fold of height 1 would be. Slopes over an eighth of the joint's
@@ -45,7 +57,7 @@ impl Profile {
         let rising = self.samples.iter().scan(0.0, highest_so_far);
         let mut falling: Vec<f64> = self.samples.iter().rev().scan(0.0, highest_so_far).collect();
         falling.reverse();
-        Self { samples: rising.zip(falling).map(|(rise, fall)| rise.min(fall) / height).collect(), half_steps: self.half_steps }
+        Self::of(rising.zip(falling).map(|(rise, fall)| rise.min(fall) / height).collect())
     }
 
     /// Length of the longest chords that keep within `error` of the curve: root of mean squares, over that of its heights.
@@ -103,5 +115,5 @@ pub(crate) fn bell() -> Profile {
         let x = f64::from(step) / 64.0;
         (1.0 - x * x / (BELL_WIDTH * BELL_WIDTH * BELL_END)).max(0.0).powi(8)
     });
-    Profile { samples: samples.collect(), half_steps: 64.0 }
+    Profile::of(samples.collect())
 }

@@ -1,7 +1,5 @@
 //! All joints give back at once: sums over the gradient, how much of each field, displacements.
 
-use glam::DVec3;
-
 use super::again::Again;
 use super::scratch::{Scratch, with_scratch};
 use super::{JobState, Workspace, in_single_precision, ragged};
@@ -9,9 +7,9 @@ use crate::binding::Binding;
 use crate::block_rows::Held;
 use crate::correction::{Field, Hold};
 use crate::fields::{self, FieldRows, Move};
+use crate::heights;
 use crate::joint::Joint;
 use crate::lanes::{V4, add};
-use crate::patches::LANES;
 use crate::split::{Ragged, for_each_piece};
 use crate::supports::Supports;
 use crate::sweeps::{Buffer, GRADIENT_PARTS};
@@ -103,21 +101,15 @@ impl Workspace {
                         let bell = &mut bell[..weights.len()];
                         let [all, round] = fields::bell_sums(support, places, &state.frame, volumes, lengths, bell);
                         if let (Pass::All, Some(profiles)) = (pass, profiles) {
-                            for ((number, weights), profiled) in held.numbered(weights).zip(&mut profiled.values[at.clone()]) {
-                                for (lane, profiled) in profiled.iter_mut().enumerate() {
-                                    let p = places.map(|row| f64::from(row[number * LANES + lane]));
-                                    *profiled = weights[lane] * state.frame.height(profiles, DVec3::from_array(p)) as f32;
-                                }
-                            }
+                            heights::drawn(support, places, &state.frame, profiles, &mut profiled.values[at.clone()]);
                         }
                         ((hold.all, hold.all_most), (hold.bell, hold.bell_most)) = (all, round);
                         hold.unmasked = mask.map_or(hold.all, |_| fields::sum_and_most(held, weights, unmasked, lengths).0);
                         if state.frame.has_axes() {
                             let shape = if profiles.is_some() { &profiled.values[at] } else { &*bell };
-                            for (axis, e) in state.frame.axes.iter().enumerate() {
-                                (hold.along[axis], hold.along_most[axis]) =
-                                    fields::sum_and_most_along(held, shape, gradient, directions, e.as_vec3().to_array());
-                            }
+                            let axes = state.frame.axes.map(|e| e.as_vec3().to_array());
+                            let along = fields::sums_along(held, shape, gradient, directions, axes);
+                            (hold.along, hold.along_most) = (along.map(|(sum, _)| sum), along.map(|(_, most)| most));
                         }
                     }
                 });

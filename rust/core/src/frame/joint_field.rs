@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::Workspace;
 use crate::binding::Binding;
 use crate::correction::{FieldFrame, axes_of_bend, axes_of_no_bend};
-use crate::fields;
+use crate::heights;
 use crate::joint::Joint;
 use crate::supports::{Support, Supports};
 
@@ -58,12 +58,9 @@ impl Workspace {
             let mask = self.mask.as_ref().map(|mask| &mask.of_slot[slots.clone()]);
             let profiles = settings[joint].profiles.as_ref().filter(|_| frame.has_axes());
             let gamma = &mut gamma[slots];
-            for (place, weight, bell) in fields::bells(support, places, frame) {
-                let height = profiles.map_or(bell, |profiles| {
-                    let drawn = frame.height(profiles, DVec3::from_array(places.map(|row| f64::from(row[place])))) as f32;
-                    let part = frame.frame_part as f32;
-                    weight * drawn * part + bell * (1.0 - part)
-                });
+            let drawn_part = if profiles.is_some() { frame.frame_part as f32 } else { 0.0 };
+            for (place, bell, drawn) in heights::of_points(support, places, frame, profiles) {
+                let height = drawn * drawn_part + bell * (1.0 - drawn_part);
                 gamma[place] = height / areas[place] * mask.map_or(1.0, |mask| mask[place]);
             }
         }

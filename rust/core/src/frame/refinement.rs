@@ -1,10 +1,8 @@
 //! Where, and how finely, a mesh should have more points: where joints give volume back [RHC09 §4.3].
 
-use glam::DVec3;
-
 use super::Workspace;
 use crate::binding::Binding;
-use crate::fields;
+use crate::heights;
 use crate::joint::{Joint, Profiles};
 use crate::profile;
 use crate::supports::Supports;
@@ -104,10 +102,7 @@ impl Workspace {
                 let bell_fineness = (detail.bell * per_length) as f32;
                 let envelope = detail.envelope.as_ref().filter(|_| frame.has_axes());
                 let drawn_part = if envelope.is_some() { frame.frame_part as f32 } else { 0.0 };
-                for (place, weight, bell) in fields::bells(support, places, frame) {
-                    let drawn = envelope.map_or(0.0, |envelope| {
-                        weight * frame.height(envelope, DVec3::from_array(places.map(|row| f64::from(row[place])))) as f32
-                    });
+                for (place, bell, drawn) in heights::of_points(support, places, frame, envelope) {
                     let share = counts * mask.map_or(1.0, |mask| mask[place]) / areas[place];
                     let (drawn, round) = (drawn * drawn_part * share, bell * (1.0 - drawn_part) * share);
                     let slot = slots.start + place;
