@@ -79,10 +79,10 @@ fn drawn_by_lanes<S: Simd>(simd: S, support: Support, places: Rows, frame: &Fiel
     for ((number, weights), heights) in support.held.numbered(support.weights).zip(heights) {
         let [u, v, w] = around.at(simd, number);
         let mut height = f32x8::simd_from(simd, *weights);
-        for (axis, plain) in axes.iter().zip(&profiles.axes).enumerate() {
-            let ([a, b, c], plain) = plain;
-            let x = u * *a + v * *b + w * *c;
-            let mut curve = curve_at(simd, plain, x);
+        for axis in 0..3 {
+            let [a, b, c] = axes[axis];
+            let x = u * a + v * b + w * c;
+            let mut curve = curve_at(simd, &profiles.axes[axis], x);
             if let Some((curves, _)) = &profiles.folded {
                 curve += (curve_at(simd, &curves[axis], x) - curve) * folded;
             }
@@ -92,6 +92,7 @@ fn drawn_by_lanes<S: Simd>(simd: S, support: Support, places: Rows, frame: &Fiel
     }
 }
 
+/// `Profile::at` of eight places.
 #[inline(always)]
 fn curve_at<S: Simd>(simd: S, profile: &Profile, x: f32x8<S>) -> f32x8<S> {
     let lines = profile.lines();
@@ -133,5 +134,32 @@ fn bells_by_lanes<S: Simd>(simd: S, support: Support, places: Rows, frame: &Fiel
     let bell = Bell::new(simd, places, frame);
     for ((number, weights), heights) in support.held.numbered(support.weights).zip(heights) {
         *heights = bell.times(simd, weights, number).into();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn eight_places_are_as_high_as_one(samples in prop::collection::vec(0.0..1.0f64, 2..200), places in prop::array::uniform8(-1.5..1.5f32)) {
+            let profile = Profile::new(&samples).unwrap();
+            let found: [f32; LANES] = dispatch!(Level::new(), simd => curve_at(simd, &profile, f32x8::simd_from(simd, places)).into());
+            let rounding = 1e-6 * samples.len() as f64;
+            for (height, x) in found.into_iter().zip(places) {
+                prop_assert!((f64::from(height) - profile.at(f64::from(x))).abs() <= rounding);
+            }
+        }
+    }
+
+    #[test]
+    fn ends_and_places_that_are_none_have_no_height() {
+        let profile = Profile::new(&[1.0, 1.0, 1.0]).unwrap();
+        let places = [-1.0, 1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.1, 1.1, 0.0];
+        let found: [f32; LANES] = dispatch!(Level::new(), simd => curve_at(simd, &profile, f32x8::simd_from(simd, places)).into());
+        assert_eq!(found, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
     }
 }
