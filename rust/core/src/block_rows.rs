@@ -2,6 +2,7 @@
 
 use std::iter::Zip;
 
+use crate::csr::Csr;
 use crate::patches::{LANES, PATCH_POINTS};
 
 pub(crate) type Block<T> = [T; LANES];
@@ -18,15 +19,10 @@ impl Held {
         Self(u32::MAX.checked_shr(u32::BITS - count as u32).unwrap_or(0))
     }
 
-    #[inline(always)]
-    pub fn numbers(self) -> Numbers {
-        Numbers(self.0)
-    }
-
     /// What is kept for each of the blocks, with the block's number.
     #[inline(always)]
     pub fn numbered<I: IntoIterator>(self, kept: I) -> Zip<Numbers, I::IntoIter> {
-        self.numbers().zip(kept)
+        Numbers(self.0).zip(kept)
     }
 
     /// How many there are before block `number`; `None` where that one is left out.
@@ -51,18 +47,16 @@ impl Iterator for Numbers {
     }
 }
 
-/// Such rows, one after the other.
+/// Such rows.
 #[derive(Debug, Clone)]
 pub(crate) struct BlockRows<T> {
     held: Vec<Held>,
-    /// Per row and one past the last: its first block.
-    offsets: Vec<u32>,
-    blocks: Vec<Block<T>>,
+    blocks: Csr<Block<T>>,
 }
 
 impl<T> Default for BlockRows<T> {
     fn default() -> Self {
-        Self { held: Vec::new(), offsets: vec![0], blocks: Vec::new() }
+        Self { held: Vec::new(), blocks: Csr::default() }
     }
 }
 
@@ -70,23 +64,20 @@ impl<T: Copy + Default + PartialEq> BlockRows<T> {
     /// Appends a row of at most as many numbers as a patch has points.
     pub fn push_row(&mut self, row: &[T]) {
         let mut held = Held::default();
-        for (number, numbers) in row.chunks(LANES).enumerate() {
-            if numbers.iter().all(|&n| n == T::default()) {
-                continue;
-            }
+        let filled = row.chunks(LANES).enumerate().filter(|(_, numbers)| numbers.iter().any(|&n| n != T::default()));
+        self.blocks.push_row(filled.map(|(number, numbers)| {
+            held.0 |= 1 << number;
             let mut block = [T::default(); LANES];
             block[..numbers.len()].copy_from_slice(numbers);
-            self.blocks.push(block);
-            held.0 |= 1 << number;
-        }
+            block
+        }));
         self.held.push(held);
-        self.offsets.push(self.blocks.len() as u32);
     }
 
     /// Blocks of one row.
     #[inline(always)]
     pub fn row(&self, index: usize) -> (Held, &[Block<T>]) {
-        (self.held[index], &self.blocks[self.offsets[index] as usize..self.offsets[index + 1] as usize])
+        (self.held[index], self.blocks.row(index))
     }
 
     /// Number of rows.
@@ -96,7 +87,7 @@ impl<T: Copy + Default + PartialEq> BlockRows<T> {
 
     /// Blocks of all rows.
     pub fn block_count(&self) -> usize {
-        self.blocks.len()
+        self.blocks.values().len()
     }
 
     pub fn shrink_to_fit(&mut self) {
@@ -104,7 +95,7 @@ impl<T: Copy + Default + PartialEq> BlockRows<T> {
     }
 
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.held) + size_of_val(&*self.offsets) + size_of_val(&*self.blocks)
+        size_of_val(&*self.held) + self.blocks.memory_bytes()
     }
 }
 
@@ -131,7 +122,7 @@ mod tests {
                     back.as_chunks_mut().0[number] = *block;
                 }
                 prop_assert_eq!(&back[..row.len()], &row[..]);
-                prop_assert_eq!(held.numbers().count(), blocks.len());
+                prop_assert_eq!(Numbers(held.0).count(), blocks.len());
             }
         }
     }
@@ -139,7 +130,7 @@ mod tests {
     #[test]
     fn the_first_blocks() {
         for count in 0..=u32::BITS as usize {
-            assert!(Held::first(count).numbers().eq(0..count));
+            assert!(Numbers(Held::first(count).0).eq(0..count));
         }
     }
 }

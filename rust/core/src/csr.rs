@@ -74,6 +74,11 @@ impl<T: Copy> Csr<T> {
         &self.values
     }
 
+    /// Gives back what values have not used.
+    pub fn shrink_to_fit(&mut self) {
+        self.values.shrink_to_fit();
+    }
+
     /// Heap memory.
     pub fn memory_bytes(&self) -> usize {
         size_of_val(&*self.offsets) + size_of_val(&*self.values)

@@ -8,6 +8,7 @@ use fearless_simd::{Level, Simd, dispatch, f32x4, f32x8};
 use crate::block_rows::{Block, Held};
 use crate::correction::{Field, FieldFrame};
 use crate::heights::{Bell, Heights, NO_HEIGHTS};
+use crate::lanes::{larger, rows};
 use crate::patches::{LANES, PATCH_POINTS};
 use crate::supports::Support;
 
@@ -101,12 +102,6 @@ fn bell_sums_by_lanes<S: Simd>(
         bell_most = larger(round * length, bell_most);
     }
     [(sum_of(sum.into()), largest(most.into())), (sum_of(bell_sum.into()), largest(bell_most.into()))]
-}
-
-/// The first where it is larger: numbers win over what is none.
-#[inline(always)]
-fn larger<S: Simd>(a: f32x8<S>, b: f32x8<S>) -> f32x8<S> {
-    a.simd_gt(b).select(a, b)
 }
 
 /// Σ w·v and the largest w·l.
@@ -304,22 +299,6 @@ impl FieldSum {
             }
         }
     }
-}
-
-/// Coordinates of four vectors (x, y, z, 0).
-#[inline(always)]
-pub(crate) fn coordinates<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 3] {
-    let (xy, xy_other) = (a.zip_low(c), b.zip_low(d));
-    [xy.zip_low(xy_other), xy.zip_high(xy_other), a.zip_high(c).zip_low(b.zip_high(d))]
-}
-
-/// (x, y, z, 0) of four vectors side by side.
-#[inline(always)]
-pub(crate) fn rows<S: Simd>(simd: S, [x, y, z]: [f32x4<S>; 3]) -> [f32x4<S>; 4] {
-    let none = f32x4::splat(simd, 0.0);
-    let (xz, xz_after) = (x.zip_low(z), x.zip_high(z));
-    let (y, y_after) = (y.zip_low(none), y.zip_high(none));
-    [xz.zip_low(y), xz.zip_high(y), xz_after.zip_low(y_after), xz_after.zip_high(y_after)]
 }
 
 #[inline(always)]

@@ -3,7 +3,7 @@
 use std::ops::{Add, Sub};
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f64x4};
+use fearless_simd::{Simd, f32x4, f64x4};
 use glam::DVec3;
 
 use crate::skinning::Columns;
@@ -183,4 +183,26 @@ impl<S: Simd> Sub for Four<S> {
     fn sub(self, b: Self) -> Self {
         Self { x: self.x - b.x, y: self.y - b.y, z: self.z - b.z }
     }
+}
+
+/// Coordinates of four vectors (x, y, z, 0) in single precision.
+#[inline(always)]
+pub(crate) fn coordinates<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 3] {
+    let (xy, xy_other) = (a.zip_low(c), b.zip_low(d));
+    [xy.zip_low(xy_other), xy.zip_high(xy_other), a.zip_high(c).zip_low(b.zip_high(d))]
+}
+
+/// (x, y, z, 0) of four such vectors side by side.
+#[inline(always)]
+pub(crate) fn rows<S: Simd>(simd: S, [x, y, z]: [f32x4<S>; 3]) -> [f32x4<S>; 4] {
+    let none = f32x4::splat(simd, 0.0);
+    let (xz, xz_after) = (x.zip_low(z), x.zip_high(z));
+    let (y, y_after) = (y.zip_low(none), y.zip_high(none));
+    [xz.zip_low(y), xz.zip_high(y), xz_after.zip_low(y_after), xz_after.zip_high(y_after)]
+}
+
+/// The first where it is larger: numbers win over what is none.
+#[inline(always)]
+pub(crate) fn larger<S: Simd, V: SimdFloat<S>>(a: V, b: V) -> V {
+    a.simd_gt(b).select(a, b)
 }

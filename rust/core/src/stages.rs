@@ -12,7 +12,7 @@ use crate::block_rows::{Block, BlockRows};
 use crate::csr::Csr;
 use crate::lanes::{self, Four, V4, add_scaled, scale, sub};
 use crate::motions::Motions;
-use crate::patches::PATCH_POINTS;
+use crate::patches::{LANES, PATCH_POINTS};
 use crate::sites::Sites;
 use crate::skinning::Mode;
 use crate::sweeps;
@@ -61,8 +61,6 @@ pub(crate) struct Rows<'a> {
 
 /// Rows of a body.
 pub(crate) const ROWS: usize = 11;
-/// Rows are whole blocks of so many points.
-pub(crate) const BLOCK: usize = 8;
 
 impl<'a> Rows<'a> {
     /// `ROWS` rows of `count` numbers in `room`, whole blocks.
@@ -120,7 +118,7 @@ impl Stages {
 
     fn push(&mut self, anatomy: &Anatomy, slots: &[u32], component: u32, jobs: &[Job], measures: bool) {
         let Anatomy { sites, tree, .. } = *anatomy;
-        let padding = slots.len()..slots.len().next_multiple_of(BLOCK);
+        let padding = slots.len()..slots.len().next_multiple_of(LANES);
         let all_sites = || slots.iter().flat_map(|&slot| sites.of_slot(slot as usize));
         let bones = || {
             all_sites().flat_map(|site| {
@@ -272,7 +270,7 @@ impl Stages {
             let moved = Eightfold::new(simd, |column, axis| m[column][axis]);
             let places = self.places(body, &rows.place);
             let [qx, qy, qz] = blocks_of(&mut rows.blend);
-            for number in 0..count.div_ceil(BLOCK) {
+            for number in 0..count.div_ceil(LANES) {
                 let [x, y, z] = moved.of(simd, places, number);
                 (qx[number], qy[number], qz[number]) = (x.into(), y.into(), z.into());
             }
@@ -291,7 +289,7 @@ impl Stages {
             row[..count].fill(value);
         }
         rows.dual.iter_mut().for_each(|row| row[..count].fill(0.0));
-        add_dual(simd, rows, &|| (0..count.div_ceil(BLOCK)).map(|number| (number, &[1.0; BLOCK])), motion.dual, motion.has_scale);
+        add_dual(simd, rows, &|| (0..count.div_ceil(LANES)).map(|number| (number, &[1.0; LANES])), motion.dual, motion.has_scale);
     }
 
     /// What joints turn about: for linear skinning the points at rest, as they are kept where no shape key changes them.
@@ -334,7 +332,7 @@ impl Stages {
         let first_row = self.first_rows[body.index] as usize + stage * stretches;
         for stretch in 0..stretches {
             let (held, parts) = self.weights.row(first_row + stretch);
-            let first = stretch * (PATCH_POINTS / BLOCK);
+            let first = stretch * (PATCH_POINTS / LANES);
             let blocks = || held.numbered(parts).map(|(number, part)| (first + number, part));
             if palette.mode == Mode::Linear {
                 let (to, from) = (palette.alone(motion), palette.alone(parent));
@@ -402,7 +400,7 @@ fn add_dual<'a, S: Simd, I: Iterator<Item = (usize, &'a Block<f64>)>>(
     dual: [V4; 4],
     has_scale: bool,
 ) {
-    let [x, y, z] = rows.place.each_ref().map(|row| row.as_chunks::<BLOCK>().0);
+    let [x, y, z] = rows.place.each_ref().map(|row| row.as_chunks::<LANES>().0);
     for (lane, row) in rows.dual.iter_mut().enumerate() {
         let at = |column: usize| f64x8::splat(simd, dual[column][lane]);
         let (d, a, b, c) = (at(0), at(1), at(2), at(3));
@@ -431,7 +429,7 @@ fn place_all<S: Simd>(simd: S, body: Body, rows: &Rows, positions: &mut [V4]) {
     let palette = &body.motions.palette;
     let is_linear = palette.mode == Mode::Linear;
     let origin = lanes::from(palette.origin);
-    for (number, eight) in positions.as_chunks_mut::<BLOCK>().0.iter_mut().take(body.slots.len().div_ceil(BLOCK)).enumerate() {
+    for (number, eight) in positions.as_chunks_mut::<LANES>().0.iter_mut().take(body.slots.len().div_ceil(LANES)).enumerate() {
         let [bx, by, bz, bw] = rows.blend.each_ref().map(|row| block(row, number));
         if is_linear {
             put_rows(simd, [bx, by, bz], eight);
@@ -439,8 +437,8 @@ fn place_all<S: Simd>(simd: S, body: Body, rows: &Rows, positions: &mut [V4]) {
         }
         let [x, y, z] = rows.place.each_ref().map(|row| block(row, number));
         let [dx, dy, dz, dw] = rows.dual.each_ref().map(|row| block(row, number));
-        let mut q = [[0.0; BLOCK]; 3];
-        for i in 0..BLOCK {
+        let mut q = [[0.0; LANES]; 3];
+        for i in 0..LANES {
             // As `dual_quaternion::transform`, written out for many points side by side.
             let vector_squared = bx[i] * bx[i] + by[i] * by[i] + bz[i] * bz[i];
             let length_squared = vector_squared + bw[i] * bw[i];
@@ -469,7 +467,7 @@ fn place_all<S: Simd>(simd: S, body: Body, rows: &Rows, positions: &mut [V4]) {
 }
 
 #[inline(always)]
-fn block<'a>(row: &'a &mut [f64], number: usize) -> &'a [f64; BLOCK] {
+fn block<'a>(row: &'a &mut [f64], number: usize) -> &'a Block<f64> {
     &row.as_chunks().0[number]
 }
 
@@ -480,9 +478,9 @@ fn blocks_of<'a>([x, y, z, _]: &'a mut [&mut [f64]; 4]) -> [&'a mut [Block<f64>]
 }
 
 #[inline(always)]
-fn put_rows<S: Simd>(simd: S, [x, y, z]: [&[f64; BLOCK]; 3], rows: &mut [V4; BLOCK]) {
+fn put_rows<S: Simd>(simd: S, [x, y, z]: [&Block<f64>; 3], rows: &mut [V4; LANES]) {
     for (half, [a, b, c, d]) in rows.as_chunks_mut().0.iter_mut().enumerate() {
-        let four = |row: &[f64; BLOCK]| row.as_chunks().0[half];
+        let four = |row: &Block<f64>| row.as_chunks().0[half];
         let [to_a, to_b, to_c, to_d] = Four::of_coordinates(simd, [&four(x), &four(y), &four(z)]).rows(simd);
         (*a, *b, *c, *d) = (to_a.into(), to_b.into(), to_c.into(), to_d.into());
     }

@@ -37,7 +37,7 @@ use crate::patches::LANES;
 use crate::report::Report;
 use crate::skinning::{check_object, check_pose};
 use crate::split::Ragged;
-use crate::stages::{BLOCK, ROWS};
+use crate::stages::ROWS;
 use crate::supports::Supports;
 use crate::volume::VolumeCubic;
 use crate::volume_forms::{FormBuffers, VolumeForms};
@@ -204,7 +204,7 @@ impl Workspace {
         let forms = binding.plan.forms.as_ref().map(VolumeForms::buffers);
         let stage_changes = vec![Change::default(); if forms.is_some() { 0 } else { binding.plan.stages.change_count() }];
         let giants = &binding.patches.giants;
-        let giant_points = giants.iter().map(|g| g.corners.len().next_multiple_of(BLOCK)).max().unwrap_or(0);
+        let giant_points = giants.iter().map(|g| g.corners.len().next_multiple_of(LANES)).max().unwrap_or(0);
         let has_profiles = settings.iter().any(|joint| joint.profiles.is_some());
         let mut workspace = Self {
             motions: binding.motions.clone(),

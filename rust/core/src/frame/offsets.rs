@@ -7,8 +7,8 @@ use fearless_simd::{Level, Simd, dispatch, f32x4, f64x4};
 
 use super::{ComponentState, Workspace};
 use crate::binding::Binding;
-use crate::fields::{self, Move};
-use crate::lanes::Four;
+use crate::fields::Move;
+use crate::lanes::{self, Four, larger};
 use crate::patches::LANES;
 use crate::skinning::columns;
 use crate::split::{Equal, for_each_piece};
@@ -19,7 +19,7 @@ const CHUNK: usize = 512;
 impl Workspace {
     /// Corrected − skinned of every vertex, object space.
     pub(crate) fn write_offsets(&mut self, binding: &Binding, offsets: &mut [[f32; 3]]) {
-        let to_object = self.offset_columns();
+        let to_object = self.object.matrix3.as_mat3().to_cols_array_2d();
         let (moves, components) = (&self.moves, &self.components);
         let level = Level::new();
         // Most characters are one shell: nothing to look up then.
@@ -43,17 +43,13 @@ impl Workspace {
 
     /// Skinned, and `part` of the way to corrected, of every vertex: the same bits as by way of `write_offsets`.
     pub(crate) fn write_positions(&self, binding: &Binding, part: f64, positions: &mut [[f32; 3]]) {
-        let to_object = self.offset_columns();
+        let to_object = self.object.matrix3.as_mat3().to_cols_array_2d();
         dispatch!(Level::new(), simd => write_all(simd, self, binding, &to_object, part, positions));
-    }
-
-    fn offset_columns(&self) -> [[f32; 4]; 3] {
-        [0, 1, 2].map(|column| columns(&self.object)[column].map(|c| c as f32))
     }
 }
 
 #[inline(always)]
-fn write_all<S: Simd>(simd: S, frame: &Workspace, binding: &Binding, to_object: &[[f32; 4]; 3], part: f64, positions: &mut [[f32; 3]]) {
+fn write_all<S: Simd>(simd: S, frame: &Workspace, binding: &Binding, to_object: &[[f32; 3]; 3], part: f64, positions: &mut [[f32; 3]]) {
     let [a, b, c, d] = columns(&frame.object);
     let mut vertices = binding.vertices_by_slot.iter().map(|&vertex| vertex as usize).peekable();
     let slot_of = |vertex: usize| binding.slot_of_vertex[vertex] as usize;
@@ -69,7 +65,7 @@ fn write_all<S: Simd>(simd: S, frame: &Workspace, binding: &Binding, to_object: 
     for vertex in vertices {
         let p = frame.skinned_vertex(binding, vertex);
         let step = step_of(&frame.components, binding.component_of_vertex[vertex]);
-        let offset = in_object_space([own_offset(simd, frame.moves.get(slot_of(vertex)), step); 4], to_object);
+        let offset = offsets_in_object([own_offset(simd, frame.moves.get(slot_of(vertex)), step); 4], to_object);
         for (axis, value) in positions[vertex].iter_mut().enumerate() {
             let skinned = a[axis] * p.x + b[axis] * p.y + c[axis] * p.z + d[axis];
             *value = (skinned + part * f64::from(offset[axis][0])) as f32;
@@ -84,28 +80,28 @@ fn eight_positions<S: Simd>(
     frame: &Workspace,
     number: usize,
     component: u32,
-    to_object: &[[f32; 4]; 3],
+    to_object: &[[f32; 3]; 3],
     part: f64,
 ) -> [[f32; 4]; LANES] {
     let step = step_of(&frame.components, component);
     let moves = &frame.moves.as_chunks::<LANES>().0[number];
     let at = |place: usize| own_offset(simd, Some(&moves[place]), step);
-    let first = in_object_space([at(0), at(1), at(2), at(3)], to_object);
-    let second = in_object_space([at(4), at(5), at(6), at(7)], to_object);
+    let first = offsets_in_object([at(0), at(1), at(2), at(3)], to_object);
+    let second = offsets_in_object([at(4), at(5), at(6), at(7)], to_object);
     let [early, late] = frame.skinned.eight(simd, number);
-    let (early, late) = (in_object(simd, frame, early).coordinates(), in_object(simd, frame, late).coordinates());
+    let (early, late) = (points_in_object(simd, frame, early).coordinates(), points_in_object(simd, frame, late).coordinates());
     let (mut first_positions, mut second_positions) = (first, second);
     for axis in 0..3 {
         let (by, by_late) = first[axis].combine(second[axis]).widen();
         (first_positions[axis], second_positions[axis]) = (early[axis] + by * part).narrow(late[axis] + by_late * part).split();
     }
-    let ([p, q, r, s], [t, u, v, w]) = (fields::rows(simd, first_positions), fields::rows(simd, second_positions));
+    let ([p, q, r, s], [t, u, v, w]) = (lanes::rows(simd, first_positions), lanes::rows(simd, second_positions));
     [p.into(), q.into(), r.into(), s.into(), t.into(), u.into(), v.into(), w.into()]
 }
 
 /// Object space, of points about the palette's origin.
 #[inline(always)]
-fn in_object<S: Simd>(simd: S, frame: &Workspace, points: Four<S>) -> Four<S> {
+fn points_in_object<S: Simd>(simd: S, frame: &Workspace, points: Four<S>) -> Four<S> {
     let [a, b, c, d] = columns(&frame.object);
     let origin = frame.motions.palette.origin;
     let [x, y, z] = points.coordinates();
@@ -122,7 +118,7 @@ fn write_some<S: Simd>(
     slots: &[u32],
     of_vertex: &[u32],
     step: impl Fn(u32) -> f32,
-    to_object: &[[f32; 4]; 3],
+    to_object: &[[f32; 3]; 3],
     offsets: &mut [[f32; 3]],
 ) -> f32 {
     let at = |slot: u32, component: u32| own_offset(simd, moves.get(slot as usize), step(component));
@@ -130,14 +126,14 @@ fn write_some<S: Simd>(
     let ((rows, last_rows), (slots, last_slots)) = (offsets.as_chunks_mut::<4>(), slots.as_chunks::<4>());
     let (components, last_components) = of_vertex.as_chunks::<4>();
     for ((rows, &[p, q, r, s]), &[a, b, c, d]) in rows.iter_mut().zip(slots).zip(components) {
-        let [x, y, z] = in_object_space([at(p, a), at(q, b), at(r, c), at(s, d)], to_object);
+        let [x, y, z] = offsets_in_object([at(p, a), at(q, b), at(r, c), at(s, d)], to_object);
         largest = larger(x * x + y * y + z * z, largest);
-        let [a, b, c, d] = fields::rows(simd, [x, y, z]);
+        let [a, b, c, d] = lanes::rows(simd, [x, y, z]);
         *rows = [first_three(a), first_three(b), first_three(c), first_three(d)];
     }
     let mut largest = <[f32; 4]>::from(largest).into_iter().fold(0.0, f32::max);
     for ((row, &slot), &component) in last_rows.iter_mut().zip(last_slots).zip(last_components) {
-        let [x, y, z] = in_object_space([at(slot, component); 4], to_object);
+        let [x, y, z] = offsets_in_object([at(slot, component); 4], to_object);
         *row = [x[0], y[0], z[0]];
         largest = f32::max(largest, (x * x + y * y + z * z)[0]);
     }
@@ -148,12 +144,6 @@ fn write_some<S: Simd>(
 fn first_three<S: Simd>(row: f32x4<S>) -> [f32; 3] {
     let [x, y, z, _] = row.into();
     [x, y, z]
-}
-
-/// The first where it is larger: numbers win over what is none.
-#[inline(always)]
-fn larger<S: Simd>(a: f32x4<S>, b: f32x4<S>) -> f32x4<S> {
-    a.simd_gt(b).select(a, b)
 }
 
 /// Step along the residual's field; not a number for loose points, which are of no component.
@@ -173,8 +163,8 @@ fn own_offset<S: Simd>(simd: S, point: Option<&Move>, step: f32) -> f32x4<S> {
 
 /// Coordinates of four offsets in object space.
 #[inline(always)]
-fn in_object_space<S: Simd>(offsets: [f32x4<S>; 4], to_object: &[[f32; 4]; 3]) -> [f32x4<S>; 3] {
-    let [x, y, z] = fields::coordinates(offsets);
+fn offsets_in_object<S: Simd>(offsets: [f32x4<S>; 4], to_object: &[[f32; 3]; 3]) -> [f32x4<S>; 3] {
+    let [x, y, z] = lanes::coordinates(offsets);
     let [of_x, of_y, of_z] = to_object;
     [x * of_x[0] + y * of_y[0] + z * of_z[0], x * of_x[1] + y * of_y[1] + z * of_z[1], x * of_x[2] + y * of_y[2] + z * of_z[2]]
 }

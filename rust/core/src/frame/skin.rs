@@ -11,7 +11,7 @@ use crate::lanes::{self, Four, V4};
 use crate::motions::Motions;
 use crate::patches::{LANES, PATCH_POINTS, Patch};
 use crate::split::{Ragged, for_each_piece};
-use crate::stages::{BLOCK, Body, Rows, giant_moment, giant_volume};
+use crate::stages::{Body, Rows, giant_moment, giant_volume};
 use crate::sweeps::{self, Buffer, GRADIENT_PARTS, mean_and_cross, polygon_gradient};
 use crate::volume_loss::{Change, Moment};
 
@@ -59,7 +59,7 @@ impl Workspace {
         let shaped_rest = has_shapes.then_some(&**rest);
         for (index, (giant, moment)) in patches.giants.iter().zip(giant_moments).enumerate() {
             let corners = giant.corners.len();
-            let padded = corners.next_multiple_of(BLOCK);
+            let padded = corners.next_multiple_of(LANES);
             let mut positions = &mut self.giant_positions[..padded];
             if has_shapes {
                 for (p, &slot) in positions.iter_mut().zip(&giant.corners) {
