@@ -46,6 +46,13 @@ def turn_on(mesh_object: bpy.types.Object) -> str | None:
     return character(mesh_object).problem
 
 
+def must_turn_on(mesh_object: bpy.types.Object, name: str) -> None:
+    """The same; ends the program where it cannot be done."""
+    problem = turn_on(mesh_object)
+    if problem is not None:
+        raise SystemExit(f"{name}: {problem}")
+
+
 def volume_modifier(mesh_object: bpy.types.Object) -> bpy.types.Modifier | None:
     """The modifier the extension added."""
     return extension_module("scene.stack").volume_modifier(mesh_object)

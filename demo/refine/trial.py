@@ -9,7 +9,7 @@ import numpy as np
 
 from ..enclosed_volume import Indices, Points, shells
 from ..evaluated import faces, positions
-from ..live import turn_on
+from ..live import must_turn_on
 from .subjects import Subject
 
 COARSE, LINEAR, SMOOTH = "coarse", "linear", "smooth"
@@ -52,9 +52,7 @@ def play(subject: Subject, way: str) -> tuple[Result, Posed]:
     coarse, coarse_faces = positions_of(body.data), faces(body)
     size = float(np.linalg.norm(np.ptp(coarse, axis=0)))
     coarse_volume = np.abs(shells(coarse, *coarse_faces).volumes(coarse)).sum()
-    problem = turn_on(body)
-    if problem is not None:
-        raise SystemExit(f"{subject.name}: {problem}")
+    must_turn_on(body, subject.name)
     for joint in body.turgor.joints:
         joint.preset = subject.presets.get(joint.name, joint.preset)
     if way != COARSE:

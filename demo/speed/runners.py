@@ -12,7 +12,7 @@ from blend_fixtures import elephant
 from blend_fixtures.character import Bone, Character, make_character, make_mesh
 from blend_fixtures.posing import key_poses
 
-from ..live import turn_on
+from ..live import must_turn_on
 
 # Rings, and points of each.
 SMALL, LARGE = (151, 44), (400, 250)
@@ -49,9 +49,7 @@ def runners() -> list[Runner]:
 def turn_on_as(runner: Runner, body: bpy.types.Object) -> None:
     """Turgor right after the Armature."""
     body.modifiers["Armature"].use_deform_preserve_volume = runner.is_dual
-    problem = turn_on(body)
-    if problem is not None:
-        raise SystemExit(f"{runner.name}: {problem}")
+    must_turn_on(body, runner.name)
     if runner.preset is not None:
         for joint in body.turgor.joints:
             joint.preset = runner.preset
