@@ -39,6 +39,7 @@ def test_strength_of_the_modifier_is_the_part_that_shows(route):
     skinned = _shown(ob)
     add_turgor(ob)
     corrected = _shown(ob)
+    assert (corrected != skinned).any()
     for strength in (0.0, 0.25, 1.0):
         inputs.write_input(ob.modifiers["Turgor Volume"], node_group.STRENGTH, strength)
         ob.update_tag()
