@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
 import bpy
@@ -99,7 +100,8 @@ def _finish(depsgraph: bpy.types.Depsgraph) -> None:
         start.bind_waiting()
         if runtime.session.route == "PULL":
             shown.observe(depsgraph)
-        _redraw_panels()
+        if not bpy.app.background:
+            _redraw_panels()
     if runtime.session.route == "PUSH":
         push.write_all(depsgraph)
         if runtime.session.waiting and not runtime.session.is_rendering:
@@ -154,7 +156,9 @@ def unregister() -> None:
         bpy.app.timers.unregister(follow_dragged_curve)
     strokes.forget()
     for event, handler in reversed(HANDLERS):
-        getattr(bpy.app.handlers, event).remove(handler)
+        # Others may have cleared the list.
+        with suppress(ValueError):
+            getattr(bpy.app.handlers, event).remove(handler)
     profiles.unregister()
     carrier.TurgorCarrier.on_tick = staticmethod(carrier.ignore_tick)
     refine.TurgorRefine.on_preview = staticmethod(refine.ignore_preview)

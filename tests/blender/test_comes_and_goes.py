@@ -113,6 +113,18 @@ def test_saved_file_without_the_extension_shows_plain_skinning(route, addon, tmp
     assert (positions(bpy.data.objects["Tube"]) != plain).any()
 
 
+def test_goes_and_comes_back_where_another_add_on_cleared_the_handlers(route, addon):
+    ob, rest = character()
+    add_turgor(ob)
+    bpy.app.handlers.frame_change_post.clear()
+    addon.unregister()
+    addon.register()
+    bpy.context.scene.frame_set(FRAME)
+    bpy.context.view_layer.update()
+    bpy.context.scene.frame_set(FRAME)
+    assert relative_error(ob, rest) < VOLUME_TOLERANCE
+
+
 def test_undoing_the_addition_is_one_step(route):
     ob, _ = character()
     bpy.ops.ed.undo_push(message="before")
