@@ -21,14 +21,14 @@ from .spine_frames import SpineFrames
 from .volume_frames import VolumeFrames
 
 # Frames of one chunk: so many, and so many bytes of positions.
-CHUNK_FRAMES, CHUNK_BYTES = 32, 1 << 23
+CHUNK_FRAMES, CHUNK_BYTES = 64, 1 << 23
 POSITION_BYTES = 12
-# Frames that the engine gets at a time, for it to begin early and end soon.
+# The engine is called after so many frames, for it to begin early; it takes all that are sampled by then.
 PART_FRAMES = 16
 # Between two steps: to begin sampling takes as long as some frames.
 SECONDS_OF_WORK = 0.1
-# Chunks that may be in memory at one time where a store keeps them.
-CHUNKS_UNDER_WAY = 3
+# Sampling waits where more is under way: so many chunks, or so many bytes of positions.
+CHUNKS_UNDER_WAY, BYTES_UNDER_WAY = 3, 1 << 26
 
 
 def frames_of_chunk(vertex_count: int, asked: int = 0) -> int:
@@ -52,6 +52,8 @@ class Computing:
         self._source, self._frames, self._store = source, frames, store
         self._vertex_count = len(source.rest_positions)
         self.chunk_frames = frames_of_chunk(self._vertex_count, chunk_frames)
+        chunk_bytes = POSITION_BYTES * max(self._vertex_count, 1) * self.chunk_frames
+        self._most_under_way = max(CHUNKS_UNDER_WAY, BYTES_UNDER_WAY // chunk_bytes)
         self.poses: list[Posed | None] = []
         # (S, 3) of each chunk that is done, as `VolumeSkin.deform_many` counts folds; none where they are not repaired.
         self.folds: list[NDArray[np.float32]] = []
@@ -110,20 +112,19 @@ class Computing:
             yield done
 
     def _begin(self, number: int, sampled: Iterator[Any]) -> None:
-        if len(self._pending) >= CHUNKS_UNDER_WAY:
-            self._pending[-CHUNKS_UNDER_WAY][1].result()
+        if len(self._pending) >= self._most_under_way:
+            self._pending[-self._most_under_way][1].result()
         count = len(self.frames_of(number))
         chunk = _Chunk(number, self._room_of(number), np.zeros((count, 3), np.int32))
         store, folds = self._store, self._fold_store
         may_be_there = (store is not None and store.may_have(number)) or (folds is not None and folds.may_have(number))
         for start in range(0, count, PART_FRAMES):
-            part = list(islice(sampled, min(PART_FRAMES, count - start)))
-            chunk.samples += part
+            chunk.samples += list(islice(sampled, min(PART_FRAMES, count - start)))
             if not may_be_there:
-                chunk.parts.append(self._engine.submit(self._compute, chunk, start, part))
+                chunk.last_part = self._engine.submit(self._compute, chunk)
         self.poses.extend(sample.posed for sample in chunk.samples)
         if may_be_there:
-            chunk.parts.append(self._engine.submit(self._find_or_compute, chunk))
+            chunk.last_part = self._engine.submit(self._find_or_compute, chunk)
         self._pending.append((number, self._disk.submit(self._kept, chunk)))
 
     def _shape(self, number: int) -> tuple[int, int, int]:
@@ -132,14 +133,17 @@ class Computing:
     def _room_of(self, number: int) -> NDArray[np.float32]:
         # Large arrays cost fewer page faults than many, and used ones none.
         if self._room is None:
-            count = len(self._frames) if self._store is None else CHUNKS_UNDER_WAY * self.chunk_frames
-            self._room = np.empty((count, self._vertex_count, 3), np.float32)
-        first = (number if self._store is None else len(self._pending) % CHUNKS_UNDER_WAY) * self.chunk_frames
+            most = len(self._frames) if self._store is None else self._most_under_way * self.chunk_frames
+            self._room = np.empty((min(most, len(self._frames)), self._vertex_count, 3), np.float32)
+        first = (number if self._store is None else len(self._pending) % self._most_under_way) * self.chunk_frames
         return self._room[first : first + len(self.frames_of(number))]
 
-    def _compute(self, chunk: _Chunk, start: int, samples: list[Any]) -> None:
-        stop = start + len(samples)
-        self._source.compute(samples, chunk.positions[start:stop], chunk.folds[start:stop])
+    def _compute(self, chunk: _Chunk) -> None:
+        """All frames that are sampled and not computed: those of later calls too, as far as Blender was faster."""
+        start, stop = chunk.computed, len(chunk.samples)
+        if start < stop:
+            self._source.compute(chunk.samples[start:stop], chunk.positions[start:stop], chunk.folds[start:stop])
+            chunk.computed = stop
 
     def _find_or_compute(self, chunk: _Chunk) -> None:
         assert self._store is not None
@@ -151,12 +155,12 @@ class Computing:
         if folds is not None and self._store.find(chunk.number, name, chunk.positions.shape) is not None:
             chunk.folds, chunk.is_kept = folds.astype(np.int32), True
         else:
-            self._compute(chunk, 0, chunk.samples)
+            self._compute(chunk)
 
     def _kept(self, chunk: _Chunk) -> NDArray[np.float32] | None:
         """The positions, or None where the store has them."""
-        for part in chunk.parts:
-            part.result()
+        assert chunk.last_part is not None
+        chunk.last_part.result()
         folds = chunk.folds.astype(np.float32)
         if self._source.repairs_folds:
             self.folds.append(folds)
@@ -178,6 +182,7 @@ class _Chunk:
     positions: NDArray[np.float32]  # (S, N, 3)
     folds: NDArray[np.int32]  # (S, 3)
     samples: list[Any] = field(default_factory=list)
-    parts: list[Future[None]] = field(default_factory=list)
+    computed: int = 0  # so many of them
+    last_part: Future[None] | None = None  # one engine, in order
     name: str = ""  # its fingerprint, once known
     is_kept: bool = False  # where it will be kept

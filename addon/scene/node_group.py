@@ -120,7 +120,7 @@ def _write_graph(group: bpy.types.GeometryNodeTree) -> None:
     offset = node("GeometryNodeInputNamedAttribute", 1, 3, data_type="FLOAT_VECTOR")
     offset.inputs["Name"].default_value = OFFSET_ATTRIBUTE
     index = node("GeometryNodeInputIndex", 0, 4)
-    # A sum leaves plain numbers, which Sample Index of Blender 4.5 reads faster than those that a field makes one by one.
+    # A sum leaves plain numbers: Sample Index of Blender 4.5 reads those faster than what a field makes one by one.
     numbers = node("FunctionNodeIntegerMath", 1, 4, operation="ADD")
     numbers.inputs[1].default_value = 0
     # Nothing is clamped where the counts agree; asking for it is cheaper than having every index looked at.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import mkdtemp
 from time import perf_counter
 
 import bpy
@@ -75,9 +76,9 @@ def _frames(body: bpy.types.Object, frames: np.ndarray) -> list[np.ndarray]:
 
 
 def _bake(body: bpy.types.Object, frames: np.ndarray, method: str, folder: str) -> None:
-    options = extension_module("bake.options").Options(
-        method, frames, folder=Path(folder) if method == "POINT_CACHE" else None, verify=False, name="Baked"
-    )
+    # In a folder of its own: nothing has to be replaced.
+    own = Path(mkdtemp(dir=folder)) if method == "POINT_CACHE" else None
+    options = extension_module("bake.options").Options(method, frames, folder=own, verify=False, name="Baked")
     job = extension_module("bake.job").Job(body, options)
     for _ in job.run():
         pass

@@ -114,7 +114,8 @@ def test_saved_file_without_the_extension_shows_plain_skinning(route, addon, tmp
 
 
 def test_goes_and_comes_back_where_another_add_on_cleared_the_handlers(route, addon):
-    ob, rest = character()
+    ob, _ = character()
+    rest = volume(ob)
     add_turgor(ob)
     bpy.app.handlers.frame_change_post.clear()
     addon.unregister()
