@@ -7,8 +7,10 @@
 use std::cell::{RefCell, UnsafeCell};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError, TryLockError};
+use std::sync::{Arc, LazyLock, Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
 use std::thread::{self, Thread};
+
+use crate::affinity::Affinity;
 
 /// Of `Crew::door`: whether helpers may come in, and one helper that is in.
 const OPEN: usize = 1;
@@ -175,6 +177,8 @@ struct Helper {
     thread: Thread,
     /// Whom it helps; it sleeps while there is nobody.
     crew: Arc<Mutex<Option<Arc<Crew>>>>,
+    /// Known once the thread runs.
+    affinity: Arc<OnceLock<Option<Affinity>>>,
 }
 
 /// As many as rayon has threads, less the caller.
@@ -184,17 +188,22 @@ static HELPERS: LazyLock<Vec<Helper>> = LazyLock::new(|| (1..rayon::current_num_
 fn start_helper(number: usize) -> Option<Helper> {
     let crew = Arc::new(Mutex::new(None::<Arc<Crew>>));
     let own = Arc::clone(&crew);
-    let work = move || loop {
-        let helped = locked(&own).clone();
-        if let Some(crew) = helped {
-            crew.help(number);
-            *locked(&own) = None;
-        } else {
-            thread::park();
+    let affinity = Arc::new(OnceLock::new());
+    let own_affinity = Arc::clone(&affinity);
+    let work = move || {
+        own_affinity.get_or_init(Affinity::own);
+        loop {
+            let helped = locked(&own).clone();
+            if let Some(crew) = helped {
+                crew.help(number);
+                *locked(&own) = None;
+            } else {
+                thread::park();
+            }
         }
     };
     let spawned = thread::Builder::new().name(format!("turgor {number}")).spawn(work).ok()?;
-    Some(Helper { thread: spawned.thread().clone(), crew })
+    Some(Helper { thread: spawned.thread().clone(), crew, affinity })
 }
 
 /// How many of the helpers, at most `count`, are with the crew now.
@@ -219,6 +228,9 @@ impl Helper {
         }
         *helped = Some(Arc::clone(crew));
         drop(helped);
+        if let Some(Some(affinity)) = self.affinity.get() {
+            affinity.avoid_caller();
+        }
         self.thread.unpark();
         true
     }

@@ -5,6 +5,7 @@
 //! *Exact volume preserving skinning with shape control*, SCA 2009, [ZR13] to Zhuo, Rossignac: *Fleshing: spine-driven
 //! bending with local volume preservation*, 2013.
 
+mod affinity;
 mod binding;
 mod block_rows;
 mod correction;
