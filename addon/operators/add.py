@@ -7,8 +7,9 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import runtime
 from ..live import housekeeping, measuring, push, route, sampling
-from ..messages import translated
+from ..messages import message, translated
 from ..scene import obstacles, stack
+from .polling import in_edit_mode, is_allowed, linked
 
 
 class OBJECT_OT_turgor_volume_add(bpy.types.Operator):
@@ -20,19 +21,13 @@ class OBJECT_OT_turgor_volume_add(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         ob = context.object
-        if context.mode not in {"OBJECT", "POSE"}:
-            cls.poll_message_set("Leave the edit or paint mode first")
+        if not is_allowed(cls, in_edit_mode(context.mode)):
             return False
         meshes = [ob for ob in {context.object, *context.selected_objects} if ob is not None and ob.type == "MESH"]
         if not meshes:
             cls.poll_message_set("Select a mesh that an armature deforms")
             return False
-        if ob in meshes and len(meshes) == 1:
-            reason = _refusal(ob)
-            if reason is not None:
-                cls.poll_message_set(reason)
-                return False
-        return True
+        return is_allowed(cls, _refusal(ob) if ob in meshes and len(meshes) == 1 else None)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         added: list[bpy.types.Object] = []
@@ -69,12 +64,12 @@ def _look_over(scene: bpy.types.Scene, ob: bpy.types.Object) -> None:
 
 
 def _refusal(ob: bpy.types.Object) -> str | None:
-    if ob.library is not None:
-        return "The object is linked: make a library override first"
-    if stack.volume_modifier(ob) is not None:
-        return "The object has Turgor Volume already"
-    found = obstacles.obstacle(ob)
-    return None if found is None else found.text
+    reason = linked(ob)
+    if reason is None and stack.volume_modifier(ob) is not None:
+        reason = message("The object has Turgor Volume already")
+    if reason is None and (found := obstacles.obstacle(ob)) is not None:
+        reason = found.text
+    return reason
 
 
 def draw(menu: bpy.types.Menu, context: bpy.types.Context) -> None:

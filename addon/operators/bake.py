@@ -18,6 +18,7 @@ from ..logic import frame_range, whole_file
 from ..messages import message, of_error, translated
 from ..scene import baked_copy, spine_stack, stack
 from .character import character_of
+from .polling import in_edit_mode, is_allowed
 
 # Between two redraws of the window.
 SECONDS_OF_WORK = 0.1
@@ -39,13 +40,8 @@ class OBJECT_OT_turgor_bake(bpy.types.Operator):
         if ob is None or (stack.volume_modifier(ob) is None and spine_stack.spine_modifier(ob) is None):
             cls.poll_message_set("The active object has neither Turgor Volume nor Turgor Spine")
             return False
-        if context.mode not in {"OBJECT", "POSE"}:
-            cls.poll_message_set("Leave the edit or paint mode first")
-            return False
-        if runtime.session.bake is not None:
-            cls.poll_message_set("A bake is running")
-            return False
-        return True
+        running = None if runtime.session.bake is None else message("A bake is running")
+        return is_allowed(cls, in_edit_mode(context.mode) or running)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         if not self._begin(context):

@@ -5,9 +5,8 @@ from __future__ import annotations
 import bpy
 
 from ..live import profiles
-from ..live.binding_rules import is_editable
-from ..scene import stack
 from .character import character_of
+from .polling import is_allowed, without_own_volume
 
 
 class OBJECT_OT_turgor_curves_reset(bpy.types.Operator):
@@ -19,8 +18,7 @@ class OBJECT_OT_turgor_curves_reset(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         ob = character_of(context)
-        if ob is None or stack.volume_modifier(ob) is None or not is_editable(ob):
-            cls.poll_message_set("The active object has no Turgor Volume of its own")
+        if not is_allowed(cls, without_own_volume(ob)):
             return False
         shown = profiles.shown_set(ob)
         if shown is None or shown.preset != "CUSTOM":

@@ -11,6 +11,7 @@ from turgor import TurgorError
 
 from ..bake import exports, reimport
 from ..messages import message, of_error, translated
+from .polling import in_edit_mode, is_allowed
 
 FORMATS = (
     ("GLTF", "glTF 2.0", "Armature and shape keys, for engines and the web"),
@@ -64,13 +65,8 @@ class EXPORT_SCENE_OT_turgor(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if context.mode not in {"OBJECT", "POSE"}:
-            cls.poll_message_set("Leave the edit or paint mode first")
-            return False
-        if not characters(context):
-            cls.poll_message_set("Select a mesh with Turgor Volume or Turgor Spine")
-            return False
-        return True
+        found = None if characters(context) else message("Select a mesh with Turgor Volume or Turgor Spine")
+        return is_allowed(cls, in_edit_mode(context.mode) or found)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if not self.filepath:

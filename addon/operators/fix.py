@@ -11,6 +11,7 @@ from ..live import fixes, refusals
 from ..messages import of_error, translated
 from ..properties.fixes import DESCRIPTIONS, FIXES
 from ..scene import spine_stack, stack
+from .polling import in_edit_mode, is_allowed, linked
 
 HIDDEN = {"HIDDEN", "SKIP_SAVE"}
 
@@ -40,13 +41,7 @@ class OBJECT_OT_turgor_volume_fix(bpy.types.Operator):
         if stack.volume_modifier(ob) is None and spine_stack.spine_modifier(ob) is None:
             cls.poll_message_set("The active object has no Turgor")
             return False
-        if ob.library is not None:
-            cls.poll_message_set("The object is linked: make a library override first")
-            return False
-        if ob.mode not in {"OBJECT", "POSE"}:
-            cls.poll_message_set("Leave the edit or paint mode first")
-            return False
-        return True
+        return is_allowed(cls, linked(ob) or in_edit_mode(ob.mode))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         refusal = refusals.refusal(context.object, self.fix, self.subject)

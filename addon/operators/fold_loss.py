@@ -6,11 +6,10 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..live import measuring, sampling
-from ..live.binding_rules import is_editable
 from ..messages import of_error, translated
 from ..properties.joint import TurgorJoint
-from ..scene import stack
 from .character import character_of
+from .polling import is_allowed, without_own_volume
 
 LEAST_LOSS = TurgorJoint.__annotations__["fold_loss"].keywords["min"]
 
@@ -24,10 +23,7 @@ class OBJECT_OT_turgor_fold_loss_measure(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         ob = character_of(context)
-        if ob is None or stack.volume_modifier(ob) is None or not is_editable(ob):
-            cls.poll_message_set("The active object has no Turgor Volume of its own")
-            return False
-        return 0 <= ob.turgor.active_joint < len(ob.turgor.joints)
+        return is_allowed(cls, without_own_volume(ob)) and 0 <= ob.turgor.active_joint < len(ob.turgor.joints)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         ob = character_of(context)

@@ -11,6 +11,7 @@ from ..messages import message, of_error, translated
 from ..properties.several import edited_joints
 from ..scene import bone_choice, stack
 from .character import character_of
+from .polling import is_allowed, linked, without_volume
 
 
 class _JointOperator:
@@ -21,13 +22,10 @@ class _JointOperator:
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         ob = character_of(context)
-        if ob is None or stack.volume_modifier(ob) is None or not len(ob.turgor.joints):
+        if without_volume(ob) is not None or not len(ob.turgor.joints):
             cls.poll_message_set("The active object has no joints of Turgor Volume")
             return False
-        if ob.library is not None:
-            cls.poll_message_set("The object is linked: make a library override first")
-            return False
-        return True
+        return is_allowed(cls, linked(ob))
 
 
 class OBJECT_OT_turgor_joints_copy(_JointOperator, bpy.types.Operator):

@@ -6,7 +6,8 @@ import bpy
 from bpy.app.translations import pgettext_data as data_
 from bpy.props import EnumProperty
 
-from ..scene import stack
+from ..messages import message
+from .polling import is_allowed, linked, linked_mesh, without_volume
 
 MASKS = (
     ("vertex_group", "Mask", "Where volume may come back"),
@@ -34,16 +35,8 @@ class OBJECT_OT_turgor_mask_paint(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         ob = context.object
-        if ob is None or ob.type != "MESH" or stack.volume_modifier(ob) is None:
-            cls.poll_message_set("The active object has no Turgor Volume")
-            return False
-        if ob.library is not None:
-            cls.poll_message_set("The object is linked: make a library override first")
-            return False
-        if ob.data.library is not None:
-            cls.poll_message_set("The mesh is linked: paint it in its own file")
-            return False
-        return True
+        elsewhere = message("The mesh is linked: paint it in its own file")
+        return is_allowed(cls, without_volume(ob) or linked(ob) or linked_mesh(ob, elsewhere))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         ob = context.object

@@ -5,8 +5,8 @@ from __future__ import annotations
 import bpy
 
 from ..live import measuring, sampling
-from ..scene import stack
 from .character import character_of
+from .polling import is_allowed, without_volume
 
 
 class OBJECT_OT_turgor_volume_measure(bpy.types.Operator):
@@ -20,11 +20,7 @@ class OBJECT_OT_turgor_volume_measure(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        ob = character_of(context)
-        if ob is None or stack.volume_modifier(ob) is None:
-            cls.poll_message_set("The active object has no Turgor Volume")
-            return False
-        return True
+        return is_allowed(cls, without_volume(character_of(context)))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         frames = sampling.scene_frames(context.scene)

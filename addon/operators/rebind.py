@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..live import binding
-from ..scene import stack
+from .polling import in_edit_mode, is_allowed, without_own_volume
 
 
 class OBJECT_OT_turgor_volume_rebind(bpy.types.Operator):
@@ -17,13 +17,7 @@ class OBJECT_OT_turgor_volume_rebind(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         ob = context.object
-        if ob is None or ob.library is not None or stack.volume_modifier(ob) is None:
-            cls.poll_message_set("The active object has no Turgor Volume of its own")
-            return False
-        if ob.mode not in {"OBJECT", "POSE"}:
-            cls.poll_message_set("Leave the edit or paint mode first")
-            return False
-        return True
+        return is_allowed(cls, without_own_volume(ob) or in_edit_mode(ob.mode))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         binding.rebind(context.object, context.scene.frame_current)

@@ -6,10 +6,10 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..live import refining
-from ..messages import of_error, translated
+from ..messages import message, of_error, translated
 from ..properties import refine as properties
-from ..scene import stack
 from .character import character_of
+from .polling import in_edit_mode, is_allowed, linked, linked_mesh, without_volume
 
 
 class OBJECT_OT_turgor_refine(bpy.types.Operator):
@@ -26,19 +26,8 @@ class OBJECT_OT_turgor_refine(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         ob = character_of(context)
-        if ob is None or stack.volume_modifier(ob) is None:
-            cls.poll_message_set("The active object has no Turgor Volume")
-            return False
-        if ob.library is not None:
-            cls.poll_message_set("The object is linked: make a library override first")
-            return False
-        if ob.data.library is not None:
-            cls.poll_message_set("The mesh is linked: refine it in its own file")
-            return False
-        if ob.mode not in {"OBJECT", "POSE"}:
-            cls.poll_message_set("Leave the edit or paint mode first")
-            return False
-        return True
+        elsewhere = message("The mesh is linked: refine it in its own file")
+        return is_allowed(cls, without_volume(ob) or linked(ob) or linked_mesh(ob, elsewhere) or in_edit_mode(ob.mode))
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout

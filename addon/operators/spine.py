@@ -7,9 +7,10 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import runtime
 from ..live import push, route, spine_binding, spine_housekeeping
-from ..messages import translated
+from ..messages import message, translated
 from ..properties.spine import DATA_VERSION
 from ..scene import spine_chain, spine_stack
+from .polling import in_edit_mode, is_allowed, linked
 
 
 class OBJECT_OT_turgor_spine_add(bpy.types.Operator):
@@ -20,21 +21,14 @@ class OBJECT_OT_turgor_spine_add(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        ob = context.object
-        if context.mode not in {"OBJECT", "POSE"}:
-            cls.poll_message_set("Leave the edit or paint mode first")
+        if not is_allowed(cls, in_edit_mode(context.mode)):
             return False
-        body = _body(context)
+        body = None if context.object is None else _body(context)
         if body is None:
             cls.poll_message_set("Select a mesh")
             return False
-        if body.library is not None:
-            cls.poll_message_set("The object is linked: make a library override first")
-            return False
-        if spine_stack.spine_modifier(body) is not None:
-            cls.poll_message_set("The object has Turgor Spine already")
-            return False
-        return ob is not None
+        has_spine = spine_stack.spine_modifier(body) is not None
+        return is_allowed(cls, linked(body) or (message("The object has Turgor Spine already") if has_spine else None))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         body = _body(context)
@@ -99,10 +93,7 @@ def _has_own(operator: type[bpy.types.Operator], context: bpy.types.Context) -> 
     if ob is None or ob.library is not None or ob.type != "MESH" or spine_stack.spine_modifier(ob) is None:
         operator.poll_message_set("The active object has no Turgor Spine of its own")
         return False
-    if ob.mode not in {"OBJECT", "POSE"}:
-        operator.poll_message_set("Leave the edit or paint mode first")
-        return False
-    return True
+    return is_allowed(operator, in_edit_mode(ob.mode))
 
 
 def _choose_spine(context: bpy.types.Context, body: bpy.types.Object) -> None:
