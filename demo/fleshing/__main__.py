@@ -2,29 +2,17 @@
 
 from __future__ import annotations
 
-import argparse
-import os
-import tempfile
-from pathlib import Path
+from .. import program
 
 
 def main() -> None:
-    """Runs every experiment in a Blender of its own, with the engine out of the extension."""
-    parser = argparse.ArgumentParser(prog="python -m demo.fleshing", description="Bodies bent along a spine")
-    parser.add_argument("--extension", type=Path, required=True, help="zip of the extension")
-    parser.add_argument("--output", type=Path, required=True, help="directory for report.json, index.html and pictures")
+    """Runs every experiment."""
+    parser = program.parser("demo.fleshing", "Bodies bent along a spine", "report.json, index.html and pictures")
     options = parser.parse_args()
+    with program.own_blender(options.extension):
+        from . import show
 
-    with tempfile.TemporaryDirectory() as resources:
-        # Blender reads it when `bpy` is imported.
-        os.environ["BLENDER_USER_RESOURCES"] = resources
-        from .. import extension
-
-        with extension.installed(options.extension, Path(resources)):
-            # Only now: the zip brought the engine.
-            from . import show
-
-            show.show(options.output)
+        show.show(options.output)
 
 
 if __name__ == "__main__":
