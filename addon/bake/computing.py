@@ -33,8 +33,13 @@ CHUNKS_UNDER_WAY, BYTES_UNDER_WAY = 3, 1 << 26
 
 def frames_of_chunk(vertex_count: int, asked: int = 0) -> int:
     """asked: 0 by the size of the mesh."""
-    by_size = min(CHUNK_FRAMES, max(CHUNK_BYTES // (POSITION_BYTES * max(vertex_count, 1)), 1))
+    by_size = min(CHUNK_FRAMES, max(CHUNK_BYTES // _frame_bytes(vertex_count), 1))
     return asked if asked > 0 else by_size
+
+
+def _frame_bytes(vertex_count: int) -> int:
+    """Of positions; an empty mesh takes some too."""
+    return POSITION_BYTES * max(vertex_count, 1)
 
 
 class Computing:
@@ -52,8 +57,10 @@ class Computing:
         self._source, self._frames, self._store = source, frames, store
         self._vertex_count = len(source.rest_positions)
         self.chunk_frames = frames_of_chunk(self._vertex_count, chunk_frames)
-        chunk_bytes = POSITION_BYTES * max(self._vertex_count, 1) * self.chunk_frames
+        chunk_bytes = self.chunk_frames * _frame_bytes(self._vertex_count)
         self._most_under_way = max(CHUNKS_UNDER_WAY, BYTES_UNDER_WAY // chunk_bytes)
+        # Chunks that there is room for: those that no store keeps stay.
+        self._places = self.chunk_count if store is None else min(self._most_under_way, self.chunk_count)
         self.poses: list[Posed | None] = []
         # (S, 3) of each chunk that is done, as `VolumeSkin.deform_many` counts folds; none where they are not repaired.
         self.folds: list[NDArray[np.float32]] = []
@@ -120,12 +127,11 @@ class Computing:
         may_be_there = (store is not None and store.may_have(number)) or (folds is not None and folds.may_have(number))
         for start in range(0, count, PART_FRAMES):
             chunk.samples += list(islice(sampled, min(PART_FRAMES, count - start)))
-            if not may_be_there:
-                chunk.last_part = self._engine.submit(self._compute, chunk)
+            if not may_be_there and len(chunk.samples) < count:
+                self._engine.submit(self._compute, chunk)
         self.poses.extend(sample.posed for sample in chunk.samples)
-        if may_be_there:
-            chunk.last_part = self._engine.submit(self._find_or_compute, chunk)
-        self._pending.append((number, self._disk.submit(self._kept, chunk)))
+        computed = self._engine.submit(self._find_or_compute if may_be_there else self._compute, chunk)
+        self._pending.append((number, self._disk.submit(self._kept, chunk, computed)))
 
     def _shape(self, number: int) -> tuple[int, int, int]:
         return len(self.frames_of(number)), self._vertex_count, 3
@@ -133,9 +139,9 @@ class Computing:
     def _room_of(self, number: int) -> NDArray[np.float32]:
         # Large arrays cost fewer page faults than many, and used ones none.
         if self._room is None:
-            most = len(self._frames) if self._store is None else self._most_under_way * self.chunk_frames
-            self._room = np.empty((min(most, len(self._frames)), self._vertex_count, 3), np.float32)
-        first = (number if self._store is None else len(self._pending) % self._most_under_way) * self.chunk_frames
+            count = min(self._places * self.chunk_frames, len(self._frames))
+            self._room = np.empty((count, self._vertex_count, 3), np.float32)
+        first = len(self._pending) % self._places * self.chunk_frames
         return self._room[first : first + len(self.frames_of(number))]
 
     def _compute(self, chunk: _Chunk) -> None:
@@ -157,10 +163,9 @@ class Computing:
         else:
             self._compute(chunk)
 
-    def _kept(self, chunk: _Chunk) -> NDArray[np.float32] | None:
-        """The positions, or None where the store has them."""
-        assert chunk.last_part is not None
-        chunk.last_part.result()
+    def _kept(self, chunk: _Chunk, computed: Future[None]) -> NDArray[np.float32] | None:
+        """The positions, or None where the store has them. computed: the engine's last call for this chunk."""
+        computed.result()
         folds = chunk.folds.astype(np.float32)
         if self._source.repairs_folds:
             self.folds.append(folds)
@@ -183,6 +188,5 @@ class _Chunk:
     folds: NDArray[np.int32]  # (S, 3)
     samples: list[Any] = field(default_factory=list)
     computed: int = 0  # so many of them
-    last_part: Future[None] | None = None  # one engine, in order
     name: str = ""  # its fingerprint, once known
     is_kept: bool = False  # where it will be kept

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from ..logic import inverse_skinning, joint_regions, local_reduction, reduction
 from ..scene import baked_copy, shape_key_writing
 from .baking import Baking, Progress
+from .computing import POSITION_BYTES
 from .options import BakeError
-from .shape_key_frames import POSITION_BYTES, own_modifiers, tent
+from .shape_key_frames import own_modifiers, tent
 from .skinned_rest import PosedSkin, skin_of
 
 # Of the tolerance, for the numbers of keys and of Blender's own skinning, which are float32.

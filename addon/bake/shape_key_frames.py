@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from ..scene import baked_copy, shape_key_writing, spine_stack, stack
 from .baking import Baking, Progress
-
-POSITION_BYTES = 12
+from .computing import POSITION_BYTES
 
 
 def absolute(baking: Baking) -> Iterator[Progress]:

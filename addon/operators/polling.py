@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from ..live.binding_rules import is_editable
 from ..messages import message
 from ..scene import stack
 
@@ -22,7 +23,7 @@ def in_edit_mode(mode: str) -> str | None:
 
 def linked(ob: bpy.types.Object) -> str | None:
     """What is written to it would be lost."""
-    return None if ob.library is None else message("The object is linked: make a library override first")
+    return None if is_editable(ob) else message("The object is linked: make a library override first")
 
 
 def linked_mesh(ob: bpy.types.Object, reason: str) -> str | None:
@@ -38,5 +39,5 @@ def without_volume(ob: bpy.types.Object | None) -> str | None:
 
 def without_own_volume(ob: bpy.types.Object | None) -> str | None:
     """No mesh with Turgor Volume whose settings can be saved."""
-    is_own = ob is not None and ob.library is None and without_volume(ob) is None
+    is_own = ob is not None and is_editable(ob) and without_volume(ob) is None
     return None if is_own else message("The active object has no Turgor Volume of its own")

@@ -177,8 +177,8 @@ struct Helper {
     thread: Thread,
     /// Whom it helps; it sleeps while there is nobody.
     crew: Arc<Mutex<Option<Arc<Crew>>>>,
-    /// Known once the thread runs.
-    affinity: Arc<OnceLock<Option<Affinity>>>,
+    /// Set once the thread runs, where the system tells.
+    affinity: Arc<OnceLock<Affinity>>,
 }
 
 /// As many as rayon has threads, less the caller.
@@ -191,7 +191,9 @@ fn start_helper(number: usize) -> Option<Helper> {
     let affinity = Arc::new(OnceLock::new());
     let own_affinity = Arc::clone(&affinity);
     let work = move || {
-        own_affinity.get_or_init(Affinity::own);
+        if let Some(found) = Affinity::own() {
+            own_affinity.get_or_init(|| found);
+        }
         loop {
             let helped = locked(&own).clone();
             if let Some(crew) = helped {
@@ -228,7 +230,7 @@ impl Helper {
         }
         *helped = Some(Arc::clone(crew));
         drop(helped);
-        if let Some(Some(affinity)) = self.affinity.get() {
+        if let Some(affinity) = self.affinity.get() {
             affinity.avoid_caller();
         }
         self.thread.unpark();

@@ -110,18 +110,16 @@ pub(crate) fn sum_and_most(held: Held, weights: &[Block<f32>], volumes: &Row, le
 }
 
 #[inline(always)]
-fn sum_and_most_by_lanes<S: Simd>(_: S, held: Held, weights: &[Block<f32>], volumes: &Row, lengths: &Row) -> (f64, f64) {
-    let (mut sums, mut most) = ([0.0f32; LANES], [0.0f32; LANES]);
+fn sum_and_most_by_lanes<S: Simd>(simd: S, held: Held, weights: &[Block<f32>], volumes: &Row, lengths: &Row) -> (f64, f64) {
+    let none = f32x8::splat(simd, 0.0);
+    let (mut sum, mut most) = (none, none);
     let (volumes, lengths) = (volumes.as_chunks::<LANES>().0, lengths.as_chunks::<LANES>().0);
-    for (number, w) in held.numbered(weights) {
-        let (v, l) = (&volumes[number], &lengths[number]);
-        for i in 0..LANES {
-            sums[i] += w[i] * v[i];
-            let moved = w[i] * l[i];
-            most[i] = if moved > most[i] { moved } else { most[i] };
-        }
+    for (number, weights) in held.numbered(weights) {
+        let weights = f32x8::simd_from(simd, *weights);
+        sum += weights * f32x8::simd_from(simd, volumes[number]);
+        most = larger(weights * f32x8::simd_from(simd, lengths[number]), most);
     }
-    (sum_of(sums), largest(most))
+    (sum_of(sum.into()), largest(most.into()))
 }
 
 /// Σ w·(g·e)(d·e) and the largest w·|d·e|, for each of three axes.
