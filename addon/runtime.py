@@ -235,6 +235,18 @@ def spine(uid: int) -> Character:
         return session.spines.setdefault(uid, Character())
 
 
+def object_of(uid: int, known: Character, objects: Any) -> Any:
+    """What is known as `known`, among objects of Blender that can be looked up by name; None where it is not.
+
+    By the name it had, which is fast; names alone do not tell, since linked objects may bear the same.
+    """
+    ob = objects.get(known.name)
+    if ob is None or ob.session_uid != uid:
+        ob = next((other for other in objects if other.session_uid == uid), None)
+        known.name = known.name if ob is None else ob.name
+    return ob
+
+
 def known(kind: str, uid: int) -> Character:
     """By the carrier's kind."""
     return spine(uid) if kind == "SPINE" else character(uid)

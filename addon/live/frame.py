@@ -33,7 +33,7 @@ def _correct_bound(target: bpy.types.Object, known: runtime.Character, address: 
     bound: Bound | None = known.body
     if bound is None or bound.body.vertex_count != vertex_count:
         return False
-    _correct(target, known, bound, address)
+    _correct(target, known, bound, address, vertex_count)
     return True
 
 
@@ -65,11 +65,11 @@ def read(target: bpy.types.Object, known: runtime.Character, bound: Bound) -> Re
     return Request(now.engine, pose_matrices, options, now.strengths, now.saved)
 
 
-def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, address: int) -> None:
+def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, address: int, vertex_count: int) -> None:
     started = perf_counter()
     asked = read(target, known, bound)
     ready = perf_counter()
-    report = asked.engine.deform_into_address(address, bound.body.vertex_count, asked.pose_matrices, **asked.options)
+    report = asked.engine.deform_into_address(address, vertex_count, asked.pose_matrices, **asked.options)
     done = perf_counter()
     if not runtime.session.is_rendering:
         _remember(target, known, bound, asked, lambda: report)
@@ -101,7 +101,7 @@ def _remember(
     known.name = target.name
     known.measure = measure = runtime.Once(lambda: _figures(report(), bound, asked))
     uid = target.original.session_uid
-    known.inspect = runtime.Once(lambda: _inspect(known, uid, measure(), bound, asked.strengths))
+    known.inspect = runtime.Once(lambda: _inspect(uid, known, measure(), bound, asked.strengths))
 
 
 def _figures(report: turgor.Report, bound: Bound, asked: Request) -> runtime.Figures:
@@ -116,10 +116,10 @@ def _figures(report: turgor.Report, bound: Bound, asked: Request) -> runtime.Fig
 
 
 def _inspect(
-    known: runtime.Character, uid: int, figures: runtime.Figures, bound: Bound, strengths: NDArray[np.float64]
+    uid: int, known: runtime.Character, figures: runtime.Figures, bound: Bound, strengths: NDArray[np.float64]
 ) -> tuple[runtime.Finding, ...]:
     """When a panel is drawn, on the main thread."""
-    target = next((ob for ob in bpy.data.objects if ob.session_uid == uid), None)
+    target = runtime.object_of(uid, known, bpy.data.objects)
     if target is None:
         return ()
     names = [bound.bones.names[bone] for bone in bound.body.joint_bones]
