@@ -39,8 +39,11 @@ class Folds:
 class Figures:
     """One frame of a character in the viewport. Deviations in percent of the volume at full strength."""
 
+    # As the engine says of its own solution, and of skinning.
     corrected_deviation: float
     skinned_deviation: float
+    # Measured on the mesh that the viewport shows; None where that has other vertices than were bound.
+    shown_deviation: float | None
     joints: dict[str, JointFigures]
     folds: Folds | None = None  # where they are repaired
 
