@@ -21,7 +21,7 @@ ENGINE_SOURCES    := $(shell find rust -type f -not -path '*/target/*' -not -nam
 EXTENSION_SOURCES := $(shell find addon packaging manual -type f -not -name '*.pyc')
 FIXTURE_SOURCES   := $(wildcard blend_fixtures/*.py)
 
-.PHONY: help pictures demo speed test every-test lint format bench package wheel lock clean
+.PHONY: help pictures demo speed test every-test check-fast lint format bench mutants engine-mutants package wheel lock clean
 .PHONY: lint-rust lint-python test-rust test-python test-3.11 test-3.13
 
 help: ## this list
@@ -106,11 +106,18 @@ test-3.13:
 	@echo "SKIPPED: tests in Blender 5.2 LTS, because no Python 3.13 was found"
 endif
 
-lint: lint-rust lint-python ## clippy, rustfmt, ruff, pyright, stubtest
+check-fast: .venv-3.11/.ready ## what takes seconds: rustfmt, ruff, clippy of the core
+	cargo fmt --all --check
+	$(TOOLS)/ruff check
+	$(TOOLS)/ruff format --check
+	cargo clippy --package turgor --locked -- -D warnings
+
+lint: lint-rust lint-python ## clippy, rustfmt, rustdoc, ruff, pyright, stubtest
 
 lint-rust:
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --package turgor --no-deps --locked --quiet
 
 lint-python: dist/site-packages
 	$(TOOLS)/ruff check
@@ -127,5 +134,12 @@ format: .venv-3.11/.ready ## rustfmt and ruff, in place
 bench: ## criterion benches of the engine
 	cargo bench --workspace --locked
 
+mutants: dist/.extension .fixtures/.ready $(NEWEST)/.ready ## break lines on purpose, one at a time: each must be noticed by a test
+	$(NEWEST)/bin/python -m tests.mutation
+
+engine-mutants: $(NEWEST)/.ready ## break what cargo-mutants can break in the engine: hours (needs cargo-mutants)
+	cargo mutants --output target-mutants || true
+	$(NEWEST)/bin/python -m tests.mutation --missed target-mutants/mutants.out
+
 clean: ## remove everything made here
-	rm -rf target dist demo_out .fixtures .venv-3.11 .venv-3.13
+	rm -rf target target-mutants dist demo_out .fixtures .venv-3.11 .venv-3.13

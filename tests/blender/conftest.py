@@ -54,9 +54,10 @@ def route(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, addon
 _exit_status = 0
 
 
-def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
+@pytest.hookimpl(trylast=True)
+def pytest_sessionfinish(session: pytest.Session) -> None:
     global _exit_status
-    _exit_status = int(exitstatus)
+    _exit_status = int(session.exitstatus)
 
 
 @pytest.hookimpl(trylast=True)

@@ -22,7 +22,7 @@ impl Skeleton {
     /// `parents`: index or -1 per bone, in any order; `rest_matrices`: armature space.
     ///
     /// # Errors
-    /// Lengths that differ, parents out of range or in a cycle, matrices that are not finite, more than 65,000 bones.
+    /// Lengths that differ, parents out of range or in a cycle, matrices that are not finite, more than 32,000 bones.
     pub fn new(parents: &[i32], rest_matrices: &[DMat4]) -> Result<Self> {
         if parents.len() != rest_matrices.len() {
             return Err(Error::Length { what: "rest_matrices", found: rest_matrices.len(), needed: parents.len() });

@@ -212,7 +212,7 @@ impl Stages {
 
     /// What each joint's turn does to one body; `positions` end as all joints leave them.
     ///
-    /// The loss of the last joint that moves is what is left before it: `close` takes from it what is left after it.
+    /// Returns the last joint that moves. Its loss is the volume before it: the caller takes from that the volume after it.
     #[inline(always)]
     pub fn measure<S: Simd, P: AsMut<[V4]>>(
         &self,

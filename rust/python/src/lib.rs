@@ -1,4 +1,4 @@
-//! The Python border of `turgor`: checks arrays, views them, detaches from the interpreter, wraps results. No mathematics.
+//! The Python border of `turgor`: checks and copies arrays, detaches from the interpreter, wraps results. No mathematics.
 
 mod arrays;
 mod fault;

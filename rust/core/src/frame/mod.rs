@@ -1,4 +1,5 @@
-//! One frame: pose, skin, losses, fields, residual. Buffers are made once; nothing is allocated and nothing is remembered.
+//! One frame: pose, skin, losses, fields, residual. Buffers are made once and nothing is remembered; only added offsets and the
+//! repair of folds allocate what grows with the mesh.
 
 mod added;
 mod again;

@@ -1,0 +1,92 @@
+"""Breaks each line of `broken_lines`, and each that `cargo mutants` could break unnoticed by Rust's tests alone.
+
+python -m tests.mutation [part of a path ...]         the list
+python -m tests.mutation --missed FOLDER [--tests ...] mutants.out of `cargo mutants`, judged by the laws in Python
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+from pathlib import Path
+
+from tests.mutation.broken_lines import BROKEN_LINES, BrokenLine
+from tests.mutation.scratch import Scratch
+
+
+def _listed(parts: list[str]) -> int:
+    chosen = [line for line in BROKEN_LINES if not parts or any(part in line.path for part in parts)]
+    scratch = Scratch()
+    if not scratch.build():
+        print("the engine does not compile as it is")
+        return 2
+    survivors = sum(not _is_killed(scratch, line) for line in chosen)
+    print(f"{len(chosen)} broken, {survivors} unnoticed")
+    return int(survivors > 0)
+
+
+def _is_killed(scratch: Scratch, line: BrokenLine) -> bool:
+    path = scratch.root / line.path
+    whole = path.read_text(encoding="utf-8")
+    is_rust = path.suffix == ".rs"
+    verdict = "not there" if whole.count(line.before) != 1 else ""
+    if not verdict:
+        path.write_text(whole.replace(line.before, line.after), encoding="utf-8")
+        try:
+            if is_rust and not scratch.build():
+                verdict = "does not compile"
+            else:
+                verdict = "UNNOTICED" if scratch.passes(line.tests) else "noticed"
+        finally:
+            path.write_text(whole, encoding="utf-8")
+            if is_rust:
+                scratch.build()
+    print(f"{verdict:16}  {line.path}: {line.before.strip()}  ->  {line.after.strip()}", flush=True)
+    return verdict == "noticed"
+
+
+def _missed(folder: Path, tests: list[str]) -> int:
+    """The diffs of mutants that Rust's tests missed, one after the other."""
+    scratch = Scratch()
+    names = (folder / "missed.txt").read_text(encoding="utf-8").splitlines()
+    diffs = {path.stem: path for path in sorted((folder / "diff").glob("*.diff"))}
+    survivors = 0
+    for name in names:
+        place, _, what = name.partition(": ")
+        file, line, _ = place.rsplit(":", 2)
+        found = [path for path in diffs.values() if _is_of(path, file, what)]
+        verdict = "no diff"
+        for path in found[:1]:
+            applied = subprocess.run(
+                ["patch", "-p1", "--quiet", "-i", str(path)], cwd=scratch.root, capture_output=True, check=False
+            )
+            if applied.returncode == 0:
+                if not scratch.build():
+                    verdict = "does not compile"
+                else:
+                    verdict = "UNNOTICED" if scratch.passes(tuple(tests)) else "noticed"
+                subprocess.run(["patch", "-p1", "-R", "--quiet", "-i", str(path)], cwd=scratch.root, check=True)
+        survivors += verdict == "UNNOTICED"
+        print(f"{verdict:16}  {file}:{line}: {what}", flush=True)
+    print(f"{len(names)} missed by Rust's tests, {survivors} unnoticed by all")
+    return int(survivors > 0)
+
+
+def _is_of(path: Path, file: str, what: str) -> bool:
+    text = path.read_text(encoding="utf-8")
+    return f"+++ {what}" in text and file in text.partition("\n")[0]
+
+
+def main() -> int:
+    """The number of the process's end: 1 where a broken line went unnoticed."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("parts", nargs="*")
+    parser.add_argument("--missed", type=Path)
+    parser.add_argument("--tests", nargs="*", default=["tests/engine"])
+    chosen = parser.parse_args()
+    return _listed(chosen.parts) if chosen.missed is None else _missed(chosen.missed, chosen.tests)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,73 @@
+"""Lines of the extension, and of the engine where only its Python laws judge, each broken in one way."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class BrokenLine(NamedTuple):
+    """`before` stands once in the file; with `after` in its place one of the tests must fail."""
+
+    path: str
+    before: str
+    after: str
+    tests: tuple[str, ...]
+
+
+_CARRIERS = ("tests/blender/test_carriers.py",)
+_PATHS = ("tests/engine/test_one_frame_all_paths.py",)
+_SKINNING = ("tests/engine/test_skinning.py",)
+_FOLDS = ("tests/engine/test_folds.py",)
+_MASKS = ("tests/engine/test_masks.py", "tests/blender/test_masks.py")
+_MEASURED = ("tests/blender/test_measured_figures.py",)
+_BAKES = ("tests/blender/test_bake.py", "tests/blender/test_bake_verification.py")
+
+BROKEN_LINES = (
+    # Guards and carriers
+    BrokenLine(
+        "addon/live/frame.py", "bound is None or bound.body.vertex_count != vertex_count", "bound is None", _CARRIERS
+    ),
+    BrokenLine("addon/live/pull.py", "ctypes.memset(address, 0, vertex_count * FLOAT3_BYTES)", "pass", _CARRIERS),
+    BrokenLine("addon/live/push.py", "        offsets[...] = 0.0\n", "        pass\n", _CARRIERS),
+    BrokenLine("addon/live/guard.py", "except BaseException as error", "except Exception as error", _CARRIERS),
+    BrokenLine(
+        "addon/live/guard.py",
+        "        runtime.set_failure(known, original.name, findings.of_error(original, error))\n",
+        "",
+        _CARRIERS,
+    ),
+    BrokenLine("addon/live/guard.py", "        runtime.set_failure(known, original.name, None)", "        pass", _CARRIERS),
+    BrokenLine("addon/scene/carrier.py", "mesh.library is not None or mesh in taken", "mesh in taken", _CARRIERS),
+    BrokenLine("addon/scene/carrier.py", "or mesh in taken or", "or", _CARRIERS),
+    BrokenLine("addon/scene/carrier.py", "            drivers.replace_owner(holder, mesh, own)\n", "", _CARRIERS),
+    BrokenLine("addon/runtime.py", "if ob is None or ob.session_uid != uid:", "if ob is None:", _CARRIERS),
+    # What is shown is measured
+    BrokenLine(
+        "addon/logic/figures.py",
+        "None if shown_volumes is None else _deviation(np.abs(shown_volumes).sum(), target)",
+        "_deviation(np.abs(report.corrected_volumes).sum(), target)",
+        _MEASURED,
+    ),
+    BrokenLine("addon/live/frame.py", "or len(positions) != bound.body.vertex_count ", "", _MEASURED),
+    # The engine, where its laws are written in Python
+    BrokenLine("rust/core/src/skinning.rs", "let moves = sum > WEIGHT_SUM_MIN", "let moves = sum > 0.0", _SKINNING),
+    BrokenLine("rust/core/src/frame/repair.rs", "if is_exact && folds < best.0", "if folds < best.0", _FOLDS),
+    BrokenLine(
+        "rust/core/src/frame/offsets.rs",
+        "c[axis] * p.z + d[axis];",
+        "c[axis] * p.z;",
+        _PATHS,
+    ),
+    BrokenLine("rust/core/src/frame/offsets.rs", "+ f64x4::splat(simd, d[axis])", "", _PATHS),
+    BrokenLine(
+        "rust/core/src/binding.rs",
+        "if slot == NO_SLOT { topology.component_of_point[point as usize] } else { patches.component_of_slot(slot as usize) }",
+        "if slot == NO_SLOT { 0 } else { topology.component_of_point[point as usize] }",
+        _PATHS,
+    ),
+    BrokenLine("rust/core/src/frame/offsets.rs", "&& frame.added.is_empty()", "", _PATHS),
+    BrokenLine("rust/core/src/frame/offsets.rs", "!binding.sites.is_split() && ", "", _PATHS),
+    BrokenLine("rust/core/src/spine/flow.rs", "&self.cells[0]", "&self.cells[70]", ("tests/engine/test_spine_map.py",)),
+    BrokenLine("rust/core/src/mask.rs", "if m < *least { m } else { *least }", "m", _MASKS[:1]),
+    BrokenLine("rust/core/src/mask.rs", "for_each(|m| *m /= most)", "for_each(|_| ())", _MASKS[:1]),
+)
