@@ -31,7 +31,7 @@ def correct(target: bpy.types.Object, address: int, vertex_count: int) -> bool:
 
 def _correct_bound(target: bpy.types.Object, known: runtime.Character, address: int, vertex_count: int) -> bool:
     bound: Bound | None = known.body
-    if bound is None or bound.body.vertex_count != vertex_count:
+    if bound is None:
         return False
     _correct(target, known, bound, address, vertex_count)
     return True

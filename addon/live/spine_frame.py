@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from .. import runtime
 from ..logic import courses, flesh, sketch, splines
+from ..messages import message
 from ..scene import (
     frame,
     modifier_inputs,
@@ -35,8 +36,16 @@ def flesh_frame(target: bpy.types.Object, address: int, vertex_count: int) -> bo
 
 def _flesh_bound(target: bpy.types.Object, known: runtime.Character, address: int, vertex_count: int) -> bool:
     bound: Bound | None = known.body
-    if bound is None or bound.flesh.vertex_count != vertex_count:
+    if bound is None:
         return False
+    if bound.flesh.vertex_count != vertex_count:
+        # The engine would refuse it, but it is not the engine that writes.
+        text = message(
+            "There is room for {found:,} vertices, {bound:,} were bound: press Rebind",
+            found=vertex_count,
+            bound=bound.flesh.vertex_count,
+        )
+        raise frame.FrameError(text)
     if not _fits(target, bound):
         runtime.session.waiting.add(target.original.session_uid)
         return False

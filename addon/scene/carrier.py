@@ -61,7 +61,7 @@ def give_own_meshes(holders: Iterable[bpy.types.Object]) -> None:
     """A mesh of its own for each of these carriers that may be written and shares one.
 
     Overrides of a linked character share the linked mesh: Blender would let each show the offsets of whichever was
-    evaluated last.
+    evaluated last. Binding lets the carrier's driver wait for the new mesh.
     """
     taken: set[bpy.types.Mesh] = set()
     for holder in holders:
@@ -69,7 +69,6 @@ def give_own_meshes(holders: Iterable[bpy.types.Object]) -> None:
         if holder.library is None and (mesh.library is not None or mesh in taken or holder.data != mesh):
             own = mesh.copy()
             holder.data = holder.turgor.carrier.mesh = own
-            drivers.replace_owner(holder, mesh, own)
             mesh = own
         taken.add(mesh)
 

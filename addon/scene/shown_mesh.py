@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 
 def positions(ob: bpy.types.Object) -> NDArray[np.float32] | None:
-    """(N, 3) of the evaluated mesh, object space; None in Edit Mode and where the object is not shown. Main thread only."""
+    """(N, 3) of the evaluated mesh, object space; None in Edit Mode and where it is not shown. Main thread only."""
     target = ob.evaluated_get(bpy.context.view_layer.depsgraph)
     if not target.is_evaluated or ob.mode == "EDIT":
         return None

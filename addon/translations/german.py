@@ -346,6 +346,9 @@ TEXTS: dict[str, str] = {
     "After": "Nachher",
     "Volume error {error}": "Volumenfehler {error}",
     "{error}, computed": "{error}, berechnet",
+    "There is room for {found:,} vertices, {bound:,} were bound: press Rebind": (
+        "Platz ist für {found:,} Punkte, gebunden wurden {bound:,}: Neu binden drücken"
+    ),
     "without Turgor": "ohne Turgor",
     "with Turgor": "mit Turgor",
     "volume {error}": "Volumen {error}",

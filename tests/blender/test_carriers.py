@@ -10,6 +10,7 @@ import library
 import numpy as np
 import pytest
 import turgor
+from body import add_spine, body, bow, curve
 from measure import positions
 from tube import LAST_FRAME, add_turgor, bend, carrier, character, place, rig, select, tube_mesh, volume_modifier
 
@@ -150,7 +151,7 @@ def test_a_fault_of_the_engine_is_an_error_that_python_code_expects():
 
 
 @pytest.mark.parametrize("count", [0, 1, 251, 253, 1000])
-def test_room_for_another_number_of_vertices_is_left_alone(count):
+def test_room_for_another_number_of_vertices_is_left_alone_and_told(runtime, count):
     ob, _ = character()
     add_turgor(ob)
     bpy.context.scene.frame_set(FRAME)
@@ -160,9 +161,27 @@ def test_room_for_another_number_of_vertices_is_left_alone(count):
     assert len(ob.data.vertices) == 252
     assert live.correct(target, room.ctypes.data, count) is False
     assert (room == 7.0).all()
+    assert "252" in runtime.character(ob.session_uid).problem
     assert live.correct(target, room.ctypes.data, 252) is True
+    assert runtime.character(ob.session_uid).problem is None
     assert (room[252:] == 7.0).all()
     assert np.abs(room[:252]).max() < 1.0
+
+
+@pytest.mark.parametrize("count", [0, 1, 491, 493, 1000])
+def test_room_for_another_number_of_vertices_along_a_spine_is_left_alone_and_told(runtime, count):
+    ob, spine = body(), curve()
+    add_spine(ob, spine)
+    bow(spine)
+    target = ob.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    live = importlib.import_module("addon.live.spine_frame")
+    room = np.full((1200, 3), 7.0, np.float32)
+    assert len(ob.data.vertices) == 492
+    assert live.flesh_frame(target, room.ctypes.data, count) is False
+    assert (room == 7.0).all()
+    assert "492" in runtime.spine(ob.session_uid).problem
+    assert live.flesh_frame(target, room.ctypes.data, 492) is True
+    assert (room[492:] == 7.0).all()
 
 
 def test_figures_are_those_of_the_object_even_where_names_are_equal(tmp_path, runtime):

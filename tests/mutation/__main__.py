@@ -29,21 +29,19 @@ def _listed(parts: list[str]) -> int:
 def _is_killed(scratch: Scratch, line: BrokenLine) -> bool:
     path = scratch.root / line.path
     whole = path.read_text(encoding="utf-8")
-    is_rust = path.suffix == ".rs"
-    verdict = "not there" if whole.count(line.before) != 1 else ""
-    if not verdict:
+    verdict = "not there"
+    if whole.count(line.before) == 1:
         path.write_text(whole.replace(line.before, line.after), encoding="utf-8")
-        try:
-            if is_rust and not scratch.build():
-                verdict = "does not compile"
-            else:
-                verdict = "UNNOTICED" if scratch.passes(line.tests) else "noticed"
-        finally:
-            path.write_text(whole, encoding="utf-8")
-            if is_rust:
-                scratch.build()
+        verdict = _judged(scratch, line.tests)
+        path.write_text(whole, encoding="utf-8")
     print(f"{verdict:16}  {line.path}: {line.before.strip()}  ->  {line.after.strip()}", flush=True)
     return verdict == "noticed"
+
+
+def _judged(scratch: Scratch, tests: tuple[str, ...]) -> str:
+    if not scratch.build():
+        return "does not compile"
+    return "UNNOTICED" if scratch.passes(tests) else "noticed"
 
 
 def _missed(folder: Path, tests: list[str]) -> int:
@@ -62,10 +60,7 @@ def _missed(folder: Path, tests: list[str]) -> int:
                 ["patch", "-p1", "--quiet", "-i", str(path)], cwd=scratch.root, capture_output=True, check=False
             )
             if applied.returncode == 0:
-                if not scratch.build():
-                    verdict = "does not compile"
-                else:
-                    verdict = "UNNOTICED" if scratch.passes(tuple(tests)) else "noticed"
+                verdict = _judged(scratch, tuple(tests))
                 subprocess.run(["patch", "-p1", "-R", "--quiet", "-i", str(path)], cwd=scratch.root, check=True)
         survivors += verdict == "UNNOTICED"
         print(f"{verdict:16}  {file}:{line}: {what}", flush=True)

@@ -34,7 +34,7 @@ class Scratch:
         self._packages = FOLDER / "site-packages"
 
     def build(self) -> bool:
-        """Whether the engine of the copy compiles; from then on tests use it."""
+        """Whether the engine of the copy compiles, as it is now; from then on tests use it."""
         command = ["cargo", "build", "--locked", "--quiet", "--package", "turgor-python", "--profile", PROFILE]
         environment = os.environ | {"CARGO_TARGET_DIR": str(FOLDER / "target")}
         if subprocess.run(command, cwd=self.root, env=environment, capture_output=True, check=False).returncode:
