@@ -97,6 +97,21 @@ def test_pinned_vertices_stay_pinned(seed: int):
     assert_repaired(rig.surface, plain, frame)
 
 
+@pytest.mark.parametrize("seed", [2, 4, 14, 15, 18, 21, 27, 31])
+def test_the_volume_goes_before_folds_where_little_is_free(seed: int):
+    """Points that back off leave volume that the few others cannot take: then folds stay, and are told."""
+    rng = np.random.default_rng(seed)
+    rig = elbow(softness=rng.uniform(0.1, 0.35))
+    places = rig.surface.positions
+    crease = np.argmin(np.abs(places[:, 0] - 2.0) + 0.3 * rng.random(len(places)))
+    mask = np.clip(3.0 - 10.0 * np.linalg.norm(places - places[crease], axis=1), 0.0, 1.0).astype(np.float32)
+    body = rig.body("linear", presets_of(rig, "muscle")).with_mask(mask)
+    pose = deep(rig, np.random.default_rng(seed))
+    plain, frame = body.deform(pose), body.deform(pose, repair_folds=True)
+    assert 0 < frame.report.folds_left <= frame.report.folds_found
+    assert_repaired(rig.surface, plain, frame)
+
+
 @few
 @given(seeds)
 def test_a_sheet_in_the_way_stays_and_the_body_backs_off(seed: int):
