@@ -23,9 +23,10 @@ _RESERVED = re.compile(r"(con|prn|aux|nul|conin|conout|com\d|lpt\d)(\..*)?", re.
 
 
 def file_stem(name: str, library: str = "") -> str:
-    """The beginning of all names of files of one object; what is appended to it begins with `_`, or with `.` and a letter.
+    """The beginning of all names of files of one object.
 
-    library: the linked file that it comes from, as Blender stores the path; empty for an object of the open file.
+    What is appended to it begins with `_`, or with `.` and a letter. library: the linked file that the object comes
+    from, as Blender stores the path; empty for one of the open file.
 
     Unequal for unequal arguments, also where case and Unicode composition do not count.
     """

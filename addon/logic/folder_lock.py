@@ -1,4 +1,4 @@
-"""Who uses a folder of chunks: each process holds a numbered lock in it, let go when closed or when the process ends."""
+"""Who uses a folder of chunks: each process holds a numbered lock in it, let go when closed or when it ends."""
 
 from __future__ import annotations
 

@@ -79,7 +79,7 @@ damages = st.one_of(
     st.binary(max_size=200).map(lambda junk: lambda content: bytes(content) + junk),
     st.binary(max_size=200).map(lambda junk: lambda content: junk + bytes(content)),
     st.binary(min_size=32, max_size=32).map(lambda start: lambda content: start + bytes(content[32:])),
-    st.just(lambda content: b""),
+    st.just(lambda _: b""),
 )
 
 

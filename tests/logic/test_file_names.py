@@ -15,9 +15,10 @@ from addon.logic.file_names import DIGEST_BYTES, MOST_CHARACTERS, file_stem, wit
 ENDINGS = ("_absolute.json", "_point_cache.txt", ".pc2", ".chunks", "_reduced.json.1234567.part")
 DEVICES = {"con", "prn", "aux", "nul", *(f"{port}{number}" for port in ("com", "lpt") for number in range(10))}
 LIKE_EACH_OTHER = [
-    "A b", "A_b", "A/b", "A\\b", "a_b", "A_B", "Tube", "tube", "TUBE", "Tube.001", "Tube.002", "Tube.1", "Tube.", "Tube ",
-    "Straße", "STRASSE", "é", "e\u0301", "É", "\u212a", "K", "k", "Con", "con", "CON", "aux.txt", "Aux.001", "..", ".", "",
-    "a" * 48, "A" + "a" * 47, "A" + "a" * 48, "a" * 63, "-rf", "Tube-0123456789ab", "ö😀名", "nul\\x", "line\nbreak", "\ud800",
+    "A b", "A_b", "A/b", "A\\b", "a_b", "A_B", "Tube", "tube", "TUBE", "Tube.001", "Tube.002", "Tube.1",
+    "Tube.", "Tube ", "Straße", "STRASSE", "é", "e\u0301", "É", "\u212a", "K", "k", "Con", "con", "CON",
+    "aux.txt", "Aux.001", "..", ".", "", "a" * 48, "A" + "a" * 47, "A" + "a" * 48, "a" * 63, "-rf",
+    "Tube-0123456789ab", "ö😀名", "nul\\x", "line\nbreak", "\ud800",
 ]  # fmt: skip
 names = st.one_of(st.text(max_size=63), st.sampled_from(LIKE_EACH_OTHER), st.text("aAbB_. -é\u0301ß1", max_size=6))
 libraries = st.sampled_from(["", "//a.blend", "//b.blend", "//B.blend", "//x/a.blend"])
