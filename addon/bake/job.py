@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import replace
+from pathlib import Path
 from time import perf_counter
 
 import bpy
@@ -91,6 +92,11 @@ class Job:
         """Chunks of all frames."""
         with self._computing() as computing:
             return computing.chunk_count
+
+    @property
+    def chunk_folder(self) -> Path | None:
+        """Where finished chunks wait for another try; None: in memory."""
+        return None if self._files is None else self._files.chunks
 
     def run(self, *, clears: bool = True) -> Iterator[Progress]:
         """Main thread only. Raises BakeError, OccupiedError, whole_file.WriteError and what the engine raises.

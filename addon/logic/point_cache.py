@@ -61,7 +61,9 @@ def read(path: Path) -> tuple[Header, NDArray[np.float32]]:
         raise PointCacheError(f"{path.name} has version {version}, need {VERSION}")
     header = Header(points, first, step, count)
     if points < 1 or count < 1 or not (isfinite(first) and isfinite(step)):
-        raise PointCacheError(f"{path.name} says {count} samples of {points} points from frame {first:g} on: no cache")
+        raise PointCacheError(
+            f"{path.name} says {count} samples of {points} points, from frame {first:g} in steps of {step:g}: no cache"
+        )
     if size < header.place(count):
         raise PointCacheError(f"{path.name} is cut off: {size} bytes, its header needs {header.place(count)}")
     return header, header.mapped(path, 0, count)
