@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import ExitStack, contextmanager
 from time import perf_counter
 
@@ -23,22 +23,22 @@ from .volume_frames import VolumeFrames
 # Frames of one slice, and its length where frames may be slow; to begin one takes as long as some frames.
 FRAMES_PER_SLICE = 16
 SECONDS_OF_WORK = 0.1
-# Poses whose joints are looked at for the worst ones.
-MOST_MEASURED = 512
+# Poses whose joints are looked at for the worst ones: what is lost changes slowly from frame to frame.
+MOST_MEASURED = 64
 # Of `runtime.Character`, of the frame that was evaluated last.
 FIGURES = ("measure", "inspect", "timing", "failure", "sketch", "local_error")
 
 
 def verify(baking: Baking) -> Iterator[Progress]:
     """Adds errors to the report: from what was computed on every frame, from the live character on those that count."""
-    yield from _beside_computed(baking)
-    yield from _beside_live(baking)
+    mesh_of = _Meshes(baking)
+    yield from _beside_computed(baking, mesh_of.at_rest)
+    yield from _beside_live(baking, mesh_of)
 
 
-def _beside_computed(baking: Baking) -> Iterator[Progress]:
-    copy, read = baking.copy, baking.source.rest
+def _beside_computed(baking: Baking, mesh: turgor.Mesh) -> Iterator[Progress]:
+    copy = baking.copy
     assert copy is not None
-    mesh = turgor.Mesh(read.positions, read.face_offsets, read.face_corners)
     frames = baking.options.frames
     computed = (positions for chunk in baking.chunks for positions in chunk)
     for start in range(0, len(frames), FRAMES_PER_SLICE):
@@ -51,11 +51,12 @@ def _beside_computed(baking: Baking) -> Iterator[Progress]:
         yield Progress(part, f"Compared {done} of {len(frames)} frames with what was computed")
 
 
-def _beside_live(baking: Baking) -> Iterator[Progress]:
+def _beside_live(baking: Baking, mesh_of: _Meshes) -> Iterator[Progress]:
     """The whole stacks; where they make other numbers of vertices, up to ours."""
-    frames = baking.options.frames[_chosen(baking)].tolist()
+    chosen = yield from _chosen(baking)
+    frames = baking.options.frames[chosen].tolist()
     errors = baking.report.live_errors
-    is_whole, mesh_of = True, _Meshes(baking)
+    is_whole = True
     while len(errors) < len(frames):
         with _side_by_side(baking, is_whole=is_whole) as alone:
             until = perf_counter() + SECONDS_OF_WORK
@@ -92,7 +93,7 @@ def _differs(number: float, live: NDArray[np.float32], baked: NDArray[np.float32
     )
 
 
-def _chosen(baking: Baking) -> NDArray[np.intp]:
+def _chosen(baking: Baking) -> Generator[Progress, None, NDArray[np.intp]]:
     """Indices of frames that are compared with the live character."""
     source, poses = baking.source, [posed for posed in baking.poses if posed is not None]
     count = len(baking.options.frames)
@@ -101,9 +102,11 @@ def _chosen(baking: Baking) -> NDArray[np.intp]:
     losses = None
     if isinstance(source, VolumeFrames) and len(poses) == count:
         looked_at = np.unique(np.linspace(0, count - 1, min(count, MOST_MEASURED)).astype(np.intp))
-        found = source.joint_losses([poses[index] for index in looked_at])
-        losses = np.zeros((count, found.shape[1]))
-        losses[looked_at] = found
+        losses = np.zeros((count, len(source.joint_bones)))
+        for start in range(0, len(looked_at), FRAMES_PER_SLICE):
+            part = looked_at[start : start + FRAMES_PER_SLICE]
+            losses[part] = source.joint_losses([poses[index] for index in part])
+            yield Progress(COMPARED, "Looking for the worst frames of joints")
     return compared(count, losses, baking.options.live_frames)
 
 
@@ -113,7 +116,7 @@ class _Meshes:
     def __init__(self, baking: Baking) -> None:
         read = baking.source.rest
         self._key = len(read.positions), len(read.face_corners)
-        self._mesh = turgor.Mesh(read.positions, read.face_offsets, read.face_corners)
+        self._mesh = self.at_rest = turgor.Mesh(read.positions, read.face_offsets, read.face_corners)
 
     def __call__(self, evaluated: bpy.types.Mesh) -> turgor.Mesh:
         key = len(evaluated.vertices), len(evaluated.loops)

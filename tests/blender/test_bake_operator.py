@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-from pathlib import Path
 
 import bpy
 import numpy as np
@@ -11,9 +10,6 @@ import pytest
 from body import add_spine, body, chain
 from measure import positions
 from tube import LAST_FRAME, add_turgor, character, select
-
-TESTS = Path(__file__).resolve().parent
-REPOSITORY = TESTS.parents[1]
 
 
 def baked_tube(**chosen) -> bpy.types.Object:
