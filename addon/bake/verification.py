@@ -18,6 +18,7 @@ from ..logic.compared_frames import compared
 from ..messages import message
 from ..scene import doubles, modifier_inputs, node_group, rest
 from .baking import COMPARED, MADE, Baking, Progress
+from .options import BakeError
 from .volume_frames import VolumeFrames
 
 # Frames of one slice, and its length where frames may be slow; to begin one takes as long as some frames.
@@ -30,7 +31,10 @@ FIGURES = ("measure", "inspect", "timing", "failure", "sketch", "local_error")
 
 
 def verify(baking: Baking) -> Iterator[Progress]:
-    """Adds errors to the report: from what was computed on every frame, from the live character on those that count."""
+    """Adds errors to the report: from what was computed on every frame, from the live character on those that count.
+
+    Raises BakeError where the copy is of another mesh.
+    """
     mesh_of = _Meshes(baking)
     yield from _beside_computed(baking, mesh_of.at_rest)
     yield from _beside_live(baking, mesh_of)
@@ -45,7 +49,12 @@ def _beside_computed(baking: Baking, mesh: turgor.Mesh) -> Iterator[Progress]:
         with doubles.doubles([copy], [doubles.after(copy, baking.last)]) as alone:
             for number in frames[start : start + FRAMES_PER_SLICE].tolist():
                 (baked,) = alone.positions(number)
-                baking.report.computed_errors.append(_error(mesh, number, baked, next(computed), baking.size))
+                expected = next(computed)
+                if baked.shape != expected.shape:
+                    raise BakeError(
+                        f"{copy.name} has {len(baked)} vertices, the live character {len(expected)}: bake it again"
+                    )
+                baking.report.computed_errors.append(_error(mesh, number, baked, expected, baking.size))
         done = min(start + FRAMES_PER_SLICE, len(frames))
         part = MADE + (COMPARED - MADE) * done / len(frames)
         yield Progress(part, f"Compared {done} of {len(frames)} frames with what was computed")
