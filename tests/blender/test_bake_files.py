@@ -90,12 +90,11 @@ def test_linked_characters_of_one_name_have_their_own(bake, tmp_path):
 @pytest.mark.parametrize("method", ["POINT_CACHE", "REDUCED"])
 def test_another_files_bake_is_not_overwritten(bake, tmp_path, method: str):
     """Nor that of another scene; the own one is, and so is that of a copy of the same file somewhere else."""
-    for name in ("one", "two"):
-        _saved(tmp_path / f"{name}.blend", 0.5 * len(name))
-        if name == "one":
-            bake(bpy.data.objects["Tube"], method, tolerance=0.01)
-            before = _contents(tmp_path / "bakes")
-            bake(bpy.data.objects["Tube"], method, tolerance=0.01)
+    _saved(tmp_path / "one.blend", 0.4)
+    bake(bpy.data.objects["Tube"], method, tolerance=0.01)
+    before = _contents(tmp_path / "bakes")
+    bake(bpy.data.objects["Tube"], method, tolerance=0.01)
+    _saved(tmp_path / "two.blend", 1.3)
     files = importlib.import_module("addon.logic.bake_files")
     with pytest.raises(files.OccupiedError, match=r"Tube, scene Scene of \.\./one\.blend.*another folder"):
         bake(bpy.data.objects["Tube"], method, tolerance=0.01)
@@ -157,13 +156,13 @@ def test_other_settings_of_the_same_character_are_told(bake):
 
 
 def test_files_without_a_name_are_told_from_each_other(bake):
-    for number in range(2):
-        bpy.ops.wm.read_factory_settings(use_empty=True)
-        ob, _ = character()
-        add_turgor(ob)
-        if number == 0:
-            bake(ob)
-            bake(ob)
+    ob, _ = character()
+    add_turgor(ob)
+    bake(ob)
+    bake(ob)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    ob, _ = character()
+    add_turgor(ob)
     with pytest.raises(ValueError, match="a file without a name"):
         bake(ob)
 
