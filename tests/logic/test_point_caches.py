@@ -182,6 +182,31 @@ def test_two_bakes_at_one_time_have_files_of_their_own_and_a_killed_one_leaves_i
     store.close()
 
 
+def test_what_another_bake_uses_stays_until_it_ends(tmp_path: Path):
+    folder = tmp_path / "chunks"
+    stores = [_written(tmp_path, [0, 1, 2]), _written(tmp_path, [0, 1])]
+    stores[0].finish(tmp_path / "one.pc2")
+    stores[0].clear()
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "cache1.journal",
+        "cache1.pc2",
+        "user0.lock",
+        "user1.lock",
+    ]
+    stores[1].put(2, "f2", CHUNKS[2])
+    stores[1].finish(tmp_path / "two.pc2")
+    stores[1].clear()
+    assert not folder.exists()
+    assert (tmp_path / "one.pc2").read_bytes() == (tmp_path / "two.pc2").read_bytes()
+    chunks = [ChunkStore(folder).hold() for _ in range(2)]
+    for store in chunks:
+        store.put(0, "f0", CHUNKS[0])
+    chunks[0].clear()
+    assert np.array_equal(chunks[1].read(0, CHUNKS[0].shape), CHUNKS[0])
+    chunks[1].clear()
+    assert not folder.exists()
+
+
 def test_a_full_disk_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     store = _written(tmp_path, [0, 1, 2])
 
