@@ -32,8 +32,8 @@ class FolderLock:
     @property
     def is_shared(self) -> bool:
         """Whether another process uses the folder too."""
-        others = (path for path in self._path.parent.glob(f"*{ENDING}") if path != self._path)
-        return any(_is_held(path) for path in others)
+        mine = None if self._file.closed else self._path
+        return any(_is_held(path) for path in self._path.parent.glob(f"*{ENDING}") if path != mine)
 
     def close(self) -> None:
         """Let go; may be called again."""

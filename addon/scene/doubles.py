@@ -56,12 +56,21 @@ def doubles(
                 made.append(double)
                 for name in names:
                     rest.remove_with_drivers(double, double.modifiers[name])
-                double.hide_viewport = False
+                _show(double)
                 scene.collection.objects.link(double)
             yield Doubles(scene, made, settle)
         finally:
             for double in made:
                 bpy.data.objects.remove(double)
+
+
+def _show(double: bpy.types.Object) -> None:
+    """On every frame: Blender evaluates nothing that is hidden, and hands out the mesh of the frame before."""
+    double.hide_viewport = False
+    if double.animation_data is not None:
+        double.driver_remove("hide_viewport")
+        # The sum of nothing; drivers come after keyframes and strips.
+        double.driver_add("hide_viewport").driver.type = "SUM"
 
 
 def after(ob: bpy.types.Object, last: str | None) -> list[str]:

@@ -166,6 +166,20 @@ def test_hidden_and_switched_off_characters_are_compared(bake):
     assert not inputs.read_input(ob.modifiers["Turgor Volume"], "Socket_4")
 
 
+@pytest.mark.parametrize("method", ["ABSOLUTE", "POINT_CACHE"])
+def test_frames_on_which_a_character_is_hidden_are_compared(bake, engine_off, method: str):
+    """Blender hands out the mesh of the frame before for what is hidden."""
+    ob, _ = character()
+    add_turgor(ob)
+    for frame, is_hidden in ((1, False), (5, True), (9, False)):
+        ob.hide_viewport = is_hidden
+        ob.keyframe_insert("hide_viewport", frame=frame)
+    bpy.context.scene.frame_set(1)
+    _, report = bake(ob, method)
+    assert max(error.max_error for error in report.computed_errors) <= EXACT * report.size
+    assert [error.max_error for error in report.live_errors] == pytest.approx([OFFSET] * LAST_FRAME, rel=1e-3)
+
+
 def test_repairs_that_only_the_bake_makes_are_compared(bake):
     ob, armature = character()
     for bone in armature.pose.bones:

@@ -203,7 +203,11 @@ def test_what_another_bake_uses_stays_until_it_ends(tmp_path: Path):
         store.put(0, "f0", CHUNKS[0])
     chunks[0].clear()
     assert np.array_equal(chunks[1].read(0, CHUNKS[0].shape), CHUNKS[0])
+    chunks[1].close()
+    another = ChunkStore(folder).hold()
     chunks[1].clear()
+    assert np.array_equal(chunks[1].read(0, CHUNKS[0].shape), CHUNKS[0])
+    another.clear()
     assert not folder.exists()
 
 
