@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
+from uuid import uuid4
 
 log = logging.getLogger("turgor")
 lock = threading.RLock()
@@ -209,6 +210,8 @@ class Session:
     is_rendering: bool = False
     is_quiet: bool = False
     bake: Bake | None = None
+    # Tells files that were never saved from each other.
+    unnamed: str = field(default_factory=lambda: uuid4().hex)
     # What a viewport shows of an object with Turgor Volume, `logic.shown.Shown`; for draw callbacks.
     look: Callable[[Any], Any] | None = None
     # What of it would be refined, `logic.refined_region.Region`.
@@ -226,6 +229,7 @@ def forget_file() -> None:
         session.characters.clear()
         session.spines.clear()
         session.waiting.clear()
+    session.unnamed = uuid4().hex
 
 
 def character(uid: int) -> Character:

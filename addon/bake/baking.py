@@ -20,7 +20,8 @@ from .spine_frames import SpineFrames
 from .volume_frames import VolumeFrames
 
 # Part of the work that is done when the live frames are computed, and when the copy is made.
-FRAMES_DONE, MADE = 0.4, 0.7
+# And when the copy was compared with what it was made of.
+FRAMES_DONE, MADE, COMPARED = 0.4, 0.7, 0.8
 
 
 class Progress(NamedTuple):

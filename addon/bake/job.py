@@ -12,11 +12,13 @@ import bpy
 import numpy as np
 
 from ..logic import frame_range, whole_file
+from ..logic.bake_files import BakeFiles
 from ..logic.bake_report import BakeReport
 from ..logic.chunk_store import ChunkStore
 from ..logic.point_cache_store import PointCacheStore
+from ..messages import message
 from ..scene import baked_copy, scene_drivers, spine_stack, stack
-from . import correctives, driven, point_caches, shape_key_frames, verification
+from . import correctives, driven, point_caches, shape_key_frames, sources, verification
 from .baking import FRAMES_DONE, Baking, Progress
 from .computing import POSITION_BYTES, Computing
 from .options import CORRECTIVE_METHODS, BakeError, Options
@@ -59,6 +61,9 @@ class Job:
         size = float(np.linalg.norm(np.ptp(positions.astype(np.float64), axis=0))) if len(positions) else 0.0
         if options.tolerance_is_relative:
             self._options = options = replace(options, tolerance=options.tolerance * size, tolerance_is_relative=False)
+        self._files: BakeFiles | None = None
+        if options.folder is not None:
+            self._files = BakeFiles(options.folder, sources.of(target, options.folder), options.method)
         report = BakeReport(
             target.name,
             METHOD_NAMES[options.method],
@@ -67,6 +72,8 @@ class Job:
             len(positions),
             size,
             tolerance=float(options.tolerance) if options.method in {"REDUCED", "DRIVEN"} else None,
+            settings=options.as_dict(),
+            source=None if self._files is None else self._files.source,
         )
         self._baking = Baking(target, self._source, options, report)
 
@@ -88,38 +95,43 @@ class Job:
 
     @property
     def chunk_folder(self) -> Path | None:
-        """Where finished chunks wait for another try."""
-        folder = self._options.folder
-        return None if folder is None else folder / f".{bpy.path.clean_name(self._target.name)}.chunks"
+        """Where finished chunks wait for another try; None: in memory."""
+        return None if self._files is None else self._files.chunks
 
-    def run(self) -> Iterator[Progress]:
-        """Main thread only. Raises BakeError, whole_file.WriteError and what the engine raises."""
+    def run(self, *, clears: bool = True) -> Iterator[Progress]:
+        """Main thread only. Raises BakeError, OccupiedError, whole_file.WriteError and what the engine raises.
+
+        clears: take the chunks away at the end, else `clear` does once the copy is saved: they are all that is left of
+        a bake whose process ends before.
+        """
         started = perf_counter()
         options, baking = self._options, self._baking
         self._check_folder(len(options.frames))
+        self._check_earlier()
         store = baking.store = self._store()
         with self._computing(store) as computing:
             yield from self._sampled(computing, range(computing.chunk_count))
             baking.live = computing
             try:
                 yield from _METHODS[options.method](baking)
+                baking.report.count_folds(computing.folds)
                 if options.verify:
                     yield from verification.verify(baking)
+                baking.report.resumed_chunks = 0 if store is None else store.found_count
+                baking.report.seconds = perf_counter() - started
+                self._keep()
             except BaseException:
                 if baking.copy is not None:
                     baked_copy.discard(baking.copy)
                     baking.copy = None
                 raise
-        baking.report.resumed_chunks = 0 if store is None else store.found_count
-        baking.report.count_folds(computing.folds)
-        baking.report.seconds = perf_counter() - started
-        if options.folder is not None:
-            name = options.folder / f"{bpy.path.clean_name(self._target.name)}_{options.method.lower()}"
-            for suffix, text in ((".json", baking.report.as_json()), (".txt", baking.report.as_text())):
-                with whole_file.written(name.with_suffix(suffix), is_kept=False) as file:
-                    file.write(text.encode())
-        if store is not None:
-            store.clear()
+        if clears:
+            self.clear()
+
+    def clear(self) -> None:
+        """Take away what waits for another try."""
+        if self._baking.store is not None:
+            self._baking.store.clear()
 
     def compute(self, numbers: range) -> Iterator[Progress]:
         """Only these chunks, for a `run` with the same options, in another process or on another machine.
@@ -128,8 +140,9 @@ class Job:
         """
         if self._options.folder is None:
             raise BakeError("Chunks need a folder: save the file first, or choose one")
-        folder = self.chunk_folder
-        with self._computing(None if folder is None else ChunkStore(folder)) as computing:
+        if self._files is not None:
+            self._files.earlier(may_overwrite=self._options.overwrite)
+        with self._computing(self._chunk_store()) as computing:
             self._check_folder(sum(len(computing.frames_of(number)) for number in numbers))
             for step in self._sampled(computing, numbers):
                 yield Progress(step.part / FRAMES_DONE, step.text)
@@ -145,10 +158,43 @@ class Job:
             yield from verification.verify(self._baking)
 
     def _store(self) -> ChunkStore | PointCacheStore | None:
-        folder = self.chunk_folder
-        if folder is not None and self._options.method == "POINT_CACHE":
-            return point_caches.store(self._options, folder, self.report.vertex_count)
-        return None if folder is None else ChunkStore(folder)
+        if self._files is not None and self._options.method == "POINT_CACHE":
+            return point_caches.store(self._options, self._files, self.report.vertex_count)
+        return self._chunk_store()
+
+    def _chunk_store(self) -> ChunkStore | None:
+        return None if self._files is None else ChunkStore(self._files.chunks).hold()
+
+    def _check_earlier(self) -> None:
+        """Raises OccupiedError; what is replaced with other settings is told."""
+        if self._files is None:
+            return
+        earlier = self._files.earlier(may_overwrite=self._options.overwrite)
+        if earlier is None:
+            return
+        now = self.report.as_dict()
+        if any(earlier.get(name) != now[name] for name in ("frames", "tolerance", "settings")):
+            self.report.notes.append(
+                message(
+                    "{file} was of a bake of frames {frames} with other settings, and was replaced",
+                    file=self._files.report.name,
+                    frames=str(earlier.get("frames")),
+                )
+            )
+
+    def _keep(self) -> None:
+        """Report and cache go to their last places; until then all chunks are where another try finds them."""
+        files, report = self._files, self._baking.report
+        if files is None:
+            return
+        # Another character's bake may have ended meanwhile.
+        files.earlier(may_overwrite=self._options.overwrite)
+        # The report first: it says whose the cache is.
+        for path, text in ((files.report, report.as_json()), (files.text, report.as_text())):
+            with whole_file.written(path, is_kept=False) as file:
+                file.write(text.encode())
+        if self._options.method == "POINT_CACHE":
+            point_caches.move(self._baking, files.cache)
 
     def _check_folder(self, frame_count: int) -> None:
         if self._options.folder is not None:

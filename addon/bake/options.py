@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ..logic import compared_frames
 
 Method = Literal["ABSOLUTE", "CORRECTIVE", "REDUCED", "DRIVEN", "POINT_CACHE"]
 CORRECTIVE_METHODS = frozenset({"CORRECTIVE", "REDUCED", "DRIVEN"})
@@ -37,9 +39,18 @@ class Options:
     most_keys: int = 64
     # Where caches, chunks and reports go; None: memory only.
     folder: Path | None = None
+    # Files of other characters in that folder may be overwritten.
+    overwrite: bool = False
     verify: bool = True
+    # Frames that are compared with the live character; 0: all.
+    live_frames: int = compared_frames.MOST_FRAMES
     # Repair folds on every frame, also where the character does not.
     repair_folds: bool = False
     name: str = ""
     # Frames of a chunk; 0: by the size of the mesh.
     chunk_frames: int = 0
+
+    def as_dict(self) -> dict[str, Any]:
+        """What tells this bake from another of the same frames, for JSON."""
+        names = ("unit_values", "local_keys", "influences", "use_linear", "most_keys", "repair_folds")
+        return {name: getattr(self, name) for name in names}

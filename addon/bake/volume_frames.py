@@ -85,6 +85,16 @@ class VolumeFrames:
         engine = self._bound.body.current_engine
         return engine.deform_many(poses, object_from_armature=place, repair_folds=self.repairs_folds), place
 
+    def joint_losses(self, poses: Sequence[Posed]) -> NDArray[np.float64]:
+        """(F, J) volume that skinning loses at each joint, cubic units of the object; settings are those of now."""
+        shapes = [posed.shape_values for posed in poses]
+        found = self._bound.body.current_engine.measure(
+            np.stack([posed.matrices for posed in poses]),
+            object_from_armature=np.stack([posed.object_from_armature for posed in poses]),
+            shape_values=np.stack(shapes) if len(shapes[0]) else None,
+        )
+        return found.joint_losses
+
     def samples(self, frames: NDArray[np.float64]) -> Iterator[Sample]:
         """Main thread only; the scene stays as it is."""
         for evaluated in pose_samples.evaluated_apart(self._target, frames):

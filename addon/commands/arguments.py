@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..logic import frame_range
+from ..logic import compared_frames, frame_range
 
 
 class Part(NamedTuple):
@@ -49,6 +49,17 @@ def add_switch(parser: argparse.ArgumentParser, name: str, what: str) -> None:
     parser.add_argument(name, nargs="?", const=True, default=False, type=switch, metavar="on|off", help=what)
 
 
+def add_live_frames(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--live-frames",
+        type=count,
+        default=compared_frames.MOST_FRAMES,
+        metavar="N",
+        help="frames that are compared with the live character: the ends, the worst ones of joints and some between;"
+        " 0: all (default: %(default)s)",
+    )
+
+
 def add_progress(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--progress", choices=("none", "openjd"), default="none", help="how to tell the progress (default: %(default)s)"
@@ -60,6 +71,13 @@ def switch(text: str) -> bool:
     if text not in {"on", "off"}:
         raise argparse.ArgumentTypeError(f"need on or off, got {text}")
     return text == "on"
+
+
+def count(text: str) -> int:
+    """Raises argparse.ArgumentTypeError."""
+    if not (text.isascii() and text.isdecimal()):
+        raise argparse.ArgumentTypeError(f"need a whole number from 0 on, got {text}")
+    return int(text)
 
 
 def frames(text: str) -> NDArray[np.float64]:

@@ -31,8 +31,8 @@ DESCRIPTION = (
 )
 METHODS = ("absolute", "corrective", "reduced", "driven", "point-cache")
 OF_SIZE = "in percent of the size (default: %(default)s)"
-# What takes another time on each run.
-NOT_IN_DATA = {"format", "seconds", "resumed_chunks"}
+# What may be other on each run, or in another place.
+NOT_IN_DATA = {"format", "seconds", "resumed_chunks", "source"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -49,7 +49,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     shared.add_switch(parser, "--repair-folds", "repair folds, also where the character does not")
     add("--output", type=Path, metavar="FOLDER", help="for reports, caches, chunks (default: turgor_bake by the file)")
     add("--save", type=Path, metavar="FILE", help="the .blend with the copies")
-    add("--no-verify", action="store_true", help="do not play the copies and compare every frame")
+    shared.add_switch(parser, "--overwrite", "overwrite files of other characters and scenes in that folder")
+    add("--no-verify", action="store_true", help="do not play the copies and compare them")
+    shared.add_live_frames(parser)
     add("--chunk-frames", type=int, default=0, metavar="N", help="frames of a chunk, the same for all parts")
     shared.add_part(parser, "compute the share of the chunks")
     shared.add_progress(parser)
@@ -74,7 +76,7 @@ def run(arguments: argparse.Namespace) -> Outcome:
     for number, ob in enumerate(targets):
         options = options_of(arguments, ob, frames, folder)
         made = job.Job(ob, options)
-        steps = made.run() if arguments.part is None else made.compute(arguments.part.of(made.chunk_count))
+        steps = made.run(clears=False) if arguments.part is None else made.compute(arguments.part.of(made.chunk_count))
         follow(steps, arguments.progress, number, len(targets))
         reports.append(made)
         if arguments.part is None:
@@ -85,6 +87,9 @@ def run(arguments: argparse.Namespace) -> Outcome:
         for ob in targets:
             saving.hide(ob)
         saving.save_copy(arguments.save)
+    # Not before: a process that ends while it saves has lost nothing.
+    for made in reports:
+        made.clear()
     entries = [_entry(made) for made in reports]
     lines = [line for made in reports for line in (made.report.name, *(f"  {each}" for each in made.report.lines()))]
     return Outcome(True, {"objects": entries}, lines)
@@ -112,6 +117,8 @@ def options_of(arguments: argparse.Namespace, ob: bpy.types.Object, frames: np.n
         use_linear=arguments.linear,
         most_keys=arguments.most_keys,
         folder=folder,
+        overwrite=arguments.overwrite,
+        live_frames=arguments.live_frames,
         verify=not arguments.no_verify,
         repair_folds=arguments.repair_folds,
         name=f"{ob.name} Baked",

@@ -69,11 +69,14 @@ def run(arguments: argparse.Namespace) -> Outcome:
     settings = exports.Settings(
         kind, arguments.file.absolute(), 0.01 * arguments.error, arguments.influences, local_keys=arguments.local
     )
+    replaced = arguments.file.exists()
     reports = exports.export(targets, settings)
     data: dict[str, Any] = {"frames": f"{scene.frame_start}-{scene.frame_end}", "format_name": kind}
     data["objects"] = [{"name": report.name, "keys": report.key_count, "notes": report.notes} for report in reports]
     lines = [f"{report.name}: {report.key_count} shape keys" for report in reports]
     lines += [f"  {note}" for report in reports for note in report.notes]
+    if replaced:
+        lines.append(f"{arguments.file.name} was there before and is replaced")
     if arguments.no_verify:
         return Outcome(True, data, lines)
     if any(note for report in reports for note in report.notes):

@@ -1,4 +1,4 @@
-"""turgor verify: copies that were baked, frame by frame beside the live characters."""
+"""turgor verify: copies that were baked, beside the live characters."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 from ..bake import job
 from ..bake.options import Options
 from ..logic import frame_range
+from ..logic.bake_report import BakeReport
 from . import arguments as shared
 from .bake import follow
 from .characters import baked_copies, objects_with_turgor
@@ -18,7 +19,11 @@ from .outcome import CommandError, Outcome
 
 NAME = "verify"
 HELP = "compare baked copies with the live characters"
-DESCRIPTION = "For a file that `bake --save` wrote. Exit code 1 if any vertex on any frame is further off than --error."
+DESCRIPTION = (
+    "For a file that `bake --save` wrote. The copy is compared with the live character, as Blender evaluates it, and on"
+    " every frame with the positions that Turgor computes. Exit code 1 if any vertex is further off than --error, or if"
+    " the two have other numbers of vertices."
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,6 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PERCENT",
         help="how far any vertex may be off, in percent of the size (default: %(default)s)",
     )
+    shared.add_live_frames(parser)
     shared.add_part(parser, "compare the share of the frames")
     shared.add_progress(parser)
 
@@ -42,20 +48,17 @@ def run(arguments: argparse.Namespace) -> Outcome:
     missing = [ob.name for ob in targets if arguments.objects and ob not in (live for _, live in pairs)]
     if missing or not pairs:
         raise CommandError(f"No baked copy of {', '.join(missing) or 'anything'}: bake with --save first")
-    entries = []
+    reports = []
     for copy, ob in pairs:
         frames = _frames(arguments, copy)
         if len(frames):
-            entries.append(_compared(arguments, ob, copy, frames))
-    is_fine = all(100.0 * each["max_error_relative"] <= arguments.error for each in entries)
-    lines = [
-        f"{each['name']}: largest error {100.0 * each['max_error_relative']:.2g} % of the size,"
-        f" volume within {100.0 * each['volume_error_relative']:+.2g} %"
-        for each in entries
-    ]
-    if not is_fine:
+            reports.append(_compared(arguments, ob, copy, frames))
+    is_near = all(100.0 * each.max_error_relative <= arguments.error for each in reports)
+    is_seen = all(each.live_errors for each in reports)
+    lines = [line for each in reports for line in (each.name, *(f"  {found}" for found in _lines(each)))]
+    if not is_near:
         lines.append(f"Further off than {arguments.error:g} %")
-    return Outcome(is_fine, {"objects": entries}, lines)
+    return Outcome(is_near and is_seen, {"objects": [_entry(each) for each in reports]}, lines)
 
 
 def _frames(arguments: argparse.Namespace, copy: bpy.types.Object) -> np.ndarray:
@@ -72,8 +75,18 @@ def _frames(arguments: argparse.Namespace, copy: bpy.types.Object) -> np.ndarray
 
 def _compared(
     arguments: argparse.Namespace, ob: bpy.types.Object, copy: bpy.types.Object, frames: np.ndarray
-) -> dict[str, Any]:
-    made = job.Job(ob, Options("ABSOLUTE", frames, repair_folds=copy.turgor_bake.repair_folds))
+) -> BakeReport:
+    options = Options("ABSOLUTE", frames, repair_folds=copy.turgor_bake.repair_folds, live_frames=arguments.live_frames)
+    made = job.Job(ob, options)
     follow(made.verify(copy), arguments.progress)
-    found = made.report.as_dict()
-    return {name: found[name] for name in ("name", "frames", "size", "max_error_relative", "volume_error_relative")}
+    return made.report
+
+
+def _entry(report: BakeReport) -> dict[str, Any]:
+    names = ("name", "frames", "live_frames", "size", "max_error_relative", "volume_error_relative", "notes")
+    found = report.as_dict()
+    return {name: found[name] for name in names}
+
+
+def _lines(report: BakeReport) -> list[str]:
+    return [*report.comparison(), f"Volume within {100.0 * report.volume_error_relative:+.2g} %", *report.notes]

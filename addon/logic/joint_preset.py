@@ -5,13 +5,13 @@ The text is one Python literal: readable, and nothing of what other people share
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Mapping
 from math import isfinite
 from pprint import pformat
 from typing import NamedTuple
 
-from ..messages import message
+from ..messages import message, of_error
+from .literal_text import LiteralError, value_of
 
 # Version of the text.
 FORMAT = 1
@@ -66,15 +66,17 @@ def to_text(preset: JointPreset) -> str:
 def from_text(text: str) -> JointPreset:
     """Raises PresetError."""
     try:
-        fields = ast.literal_eval(text)
-    except (ValueError, SyntaxError, MemoryError, RecursionError) as error:
-        raise PresetError(message("Not a joint preset of Turgor: {error}", error=error)) from error
+        fields = value_of(text)
+    except LiteralError as error:
+        raise PresetError(message("Not a joint preset of Turgor: {error}", error=of_error(error))) from error
     if not isinstance(fields, dict) or "turgor_joint" not in fields:
         raise PresetError("Not a joint preset of Turgor: it has no turgor_joint")
     found = fields["turgor_joint"]
     if found != FORMAT:
-        text = message("The preset is of format {found}, this Turgor reads {known}", found=found, known=FORMAT)
-        raise PresetError(text)
+        found = repr(found)[:40]
+        raise PresetError(
+            message("The preset is of format {found}, this Turgor reads {known}", found=found, known=FORMAT)
+        )
     return JointPreset(
         _number(fields, "strength", 0.0),
         _number(fields, "size", 0.0),

@@ -7,6 +7,7 @@ from sample to sample, int32 samples; then float32 x, y, z of every point, sampl
 from __future__ import annotations
 
 import struct
+from math import isfinite
 from pathlib import Path
 from typing import NamedTuple
 
@@ -59,6 +60,10 @@ def read(path: Path) -> tuple[Header, NDArray[np.float32]]:
     if version != VERSION:
         raise PointCacheError(f"{path.name} has version {version}, need {VERSION}")
     header = Header(points, first, step, count)
-    if points < 1 or count < 1 or size < header.place(count):
+    if points < 1 or count < 1 or not (isfinite(first) and isfinite(step)):
+        raise PointCacheError(
+            f"{path.name} says {count} samples of {points} points, from frame {first:g} in steps of {step:g}: no cache"
+        )
+    if size < header.place(count):
         raise PointCacheError(f"{path.name} is cut off: {size} bytes, its header needs {header.place(count)}")
     return header, header.mapped(path, 0, count)

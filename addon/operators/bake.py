@@ -14,7 +14,7 @@ from turgor import TurgorError
 
 from .. import runtime
 from ..bake import baking, job, options
-from ..logic import frame_range, whole_file
+from ..logic import compared_frames, frame_range, whole_file
 from ..messages import message, of_error, translated
 from ..scene import baked_copy, spine_stack, stack
 from .character import character_of
@@ -190,6 +190,7 @@ def options_of(target: bpy.types.Object, scene: bpy.types.Scene) -> options.Opti
         most_keys=saved.most_keys,
         folder=Path(bpy.path.abspath(saved.folder)) if is_kept and saved.folder else None,
         verify=saved.verify,
+        live_frames=0 if saved.every_frame else compared_frames.MOST_FRAMES,
         repair_folds=saved.repair_folds,
         name=f"{target.name} Baked",
     )

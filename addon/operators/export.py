@@ -10,6 +10,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 from turgor import TurgorError
 
 from ..bake import exports, reimport
+from ..logic import file_names
 from ..messages import message, of_error, translated
 from .polling import in_edit_mode, is_allowed
 
@@ -19,6 +20,8 @@ FORMATS = (
     ("USD", "USD", "Every frame of the mesh, without armature"),
     ("ALEMBIC", "Alembic", "Every frame of the mesh, without armature"),
 )
+# What is written for each suffix, and others of the same format.
+KEPT_SUFFIXES = {".glb": {".gltf"}, ".usdc": {".usd", ".usda", ".usdz"}, ".fbx": set(), ".abc": set()}
 
 
 class EXPORT_SCENE_OT_turgor(bpy.types.Operator):
@@ -31,6 +34,8 @@ class EXPORT_SCENE_OT_turgor(bpy.types.Operator):
     bl_options = {"REGISTER", "PRESET"}
 
     filepath: StringProperty(subtype="FILE_PATH", options={"SKIP_SAVE"})
+    # The file browser warns of a file that is there.
+    check_existing: BoolProperty(default=True, options={"HIDDEN", "SKIP_SAVE"})
     filter_glob: StringProperty(default="*.glb;*.gltf;*.fbx;*.usd;*.usda;*.usdc;*.usdz;*.abc", options={"HIDDEN"})
     format: EnumProperty(name="Format", description="What is written", items=FORMATS)
     error: FloatProperty(
@@ -70,8 +75,12 @@ class EXPORT_SCENE_OT_turgor(bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if not self.filepath:
-            start = Path(bpy.data.filepath) if bpy.data.filepath else Path(characters(context)[0].name)
-            self.filepath = str(start.with_suffix(exports.SUFFIXES[self.format]))
+            suffix = exports.SUFFIXES[self.format]
+            saved = Path(bpy.data.filepath)
+            first = characters(context)[0]
+            library = "" if first.library is None else first.library.filepath
+            start = saved.with_suffix("") if bpy.data.filepath else Path(file_names.file_stem(first.name, library))
+            self.filepath = str(start.with_name(start.name + suffix))
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
@@ -132,8 +141,9 @@ class EXPORT_SCENE_OT_turgor(bpy.types.Operator):
 
     def _path(self) -> Path:
         path, suffix = Path(bpy.path.abspath(self.filepath)), exports.SUFFIXES[self.format]
-        others = {".glb": {".gltf"}, ".usdc": {".usd", ".usda", ".usdz"}}.get(suffix, set())
-        return path if path.suffix.lower() in {suffix, *others} else path.with_suffix(suffix)
+        known = frozenset(each for pair in KEPT_SUFFIXES.items() for each in (pair[0], *pair[1]))
+        is_right = path.suffix.lower() in {suffix, *KEPT_SUFFIXES[suffix]}
+        return path if is_right else file_names.with_ending(path, suffix, known)
 
 
 class TURGOR_MT_export(bpy.types.Menu):

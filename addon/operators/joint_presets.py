@@ -10,6 +10,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
 from ..live import joint_presets
+from ..logic import whole_file
 from ..logic.joint_preset import PresetError
 from ..messages import of_error, translated
 from .character import EditsJoints, edited
@@ -31,8 +32,8 @@ class OBJECT_OT_turgor_joint_preset(EditsJoints, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
-            joint_presets.apply(Path(self.filepath).read_text(encoding="utf-8"), edited(context))
-        except (OSError, UnicodeDecodeError, PresetError) as error:
+            joint_presets.apply(Path(self.filepath).read_text(encoding="utf-8", errors="replace"), edited(context))
+        except (OSError, PresetError) as error:
             self.report({"ERROR"}, translated(of_error(error), rpt_))
             return {"CANCELLED"}
         return {"FINISHED"}
@@ -47,7 +48,8 @@ class OBJECT_OT_turgor_joint_preset_add(EditsJoints, AddPresetBase, bpy.types.Op
 
     def add(self, context: bpy.types.Context, filepath: str) -> None:
         """Blender's base class asks for this in place of its own writing."""
-        Path(filepath).write_text(joint_presets.text_of(edited(context)[0]), encoding="utf-8")
+        with whole_file.written(Path(filepath)) as file:
+            file.write(joint_presets.text_of(edited(context)[0]).encode())
 
     def remove(self, context: bpy.types.Context, filepath: str) -> None:
         """And for this in place of its own removing."""

@@ -76,6 +76,9 @@ def draw_bake(layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy.ty
         column.prop(saved, "repair_folds")
     column.prop(saved, "folder")
     column.prop(saved, "verify")
+    every = column.row()
+    every.active = saved.verify
+    every.prop(saved, "every_frame")
     column.prop(saved, "hide_original")
     running = runtime.session.bake
     if running is not None:

@@ -105,8 +105,16 @@ class TurgorBake(bpy.types.PropertyGroup):
     )
     verify: BoolProperty(
         name="Verify",
-        description="Play the bake in Blender and compare every frame with the live mesh",
+        description="Play the bake in Blender and compare it with the live character, and on every frame with what was"
+        " computed",
         default=True,
+        override=OVERRIDABLE,
+        options=set(),
+    )
+    every_frame: BoolProperty(
+        name="On Every Frame",
+        description="Compare every frame with the live character. Off: the first and the last, those at which joints"
+        " are worst, and some between",
         override=OVERRIDABLE,
         options=set(),
     )

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from math import floor
+from collections.abc import Sequence
 
 import bpy
-import numpy as np
-from numpy.typing import NDArray
 
-from . import pose_samples, rest
+from . import rest
 
 
 def make(
@@ -77,34 +73,3 @@ def point_caches(ob: bpy.types.Object) -> list[str]:
     """Absolute paths of the files that its Mesh Cache modifiers follow."""
     caches = [modifier for modifier in ob.modifiers if modifier.type == "MESH_CACHE" and modifier.filepath]
     return [bpy.path.abspath(cache.filepath, library=ob.library) for cache in caches]
-
-
-@contextmanager
-def watched(copy: bpy.types.Object, last: str | None) -> Iterator[Sampler]:
-    """Its positions after the modifier named `last`, None for before all, in a scene of its own."""
-    with pose_samples.scene_apart() as scene:
-        double = copy.copy()
-        try:
-            modifiers = list(double.modifiers)
-            first = 0 if last is None else modifiers.index(double.modifiers[last]) + 1
-            for modifier in modifiers[first:]:
-                rest.remove_with_drivers(double, modifier)
-            double.hide_viewport = False
-            scene.collection.objects.link(double)
-            yield Sampler(scene, double)
-        finally:
-            bpy.data.objects.remove(double)
-
-
-class Sampler:
-    """Positions of an object alone in a scene."""
-
-    def __init__(self, scene: bpy.types.Scene, ob: bpy.types.Object) -> None:
-        self._scene, self._ob = scene, ob
-
-    def positions(self, frame: float) -> NDArray[np.float32]:
-        """(N, 3) object space."""
-        whole = floor(frame)
-        self._scene.frame_set(whole, subframe=frame - whole)
-        depsgraph = self._scene.view_layers[0].depsgraph
-        return rest.read_positions(self._ob.evaluated_get(depsgraph).data)

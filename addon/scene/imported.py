@@ -83,7 +83,8 @@ def compare(path: Path, kind: str, written: Mapping[str, Live]) -> dict[str, Dif
             bpy.ops.wm.alembic_import(filepath=str(path), set_frame_range=False)
     except RuntimeError as error:
         raise ImportedError(f"{path.name} cannot be imported again: {str(error).strip()}") from error
-    return {name: _difference(_named(each.names, path), each.shapes) for name, each in written.items()}
+    matched = _matched(written, path)
+    return {name: _difference(matched[name], each.shapes) for name, each in written.items()}
 
 
 def ask(folder: Path, path: Path, kind: str, written: Mapping[str, Live]) -> None:
@@ -121,12 +122,37 @@ def answer(folder: str) -> None:
     (Path(folder) / ANSWER).write_text(json.dumps(found))
 
 
-def _named(names: frozenset[str], path: Path) -> bpy.types.Object:
-    wanted = names | {name.replace(" ", "_").replace(".", "_") for name in names}
-    for ob in bpy.data.objects:
-        if ob.type == "MESH" and (ob.name in wanted or ob.name.rpartition(".")[0] in wanted):
-            return ob
-    raise ImportedError(f"{path.name} has no mesh {' or '.join(sorted(names))}")
+def _matched(written: Mapping[str, Live], path: Path) -> dict[str, bpy.types.Object]:
+    """Which imported mesh is which object: by its name where it has it still, else by what formats make of names.
+
+    No mesh is two objects. Raises ImportedError.
+    """
+    left = [ob for ob in bpy.data.objects if ob.type == "MESH"]
+    found: dict[str, bpy.types.Object] = {}
+    for is_it in (_has_name, _has_a_name, _has_plain_name):
+        for name, live in written.items():
+            match = next((ob for ob in left if is_it(ob.name, name, live.names)), None)
+            if name not in found and match is not None:
+                found[name] = match
+                left.remove(match)
+    missing = [" or ".join(sorted(live.names)) for name, live in written.items() if name not in found]
+    if missing:
+        raise ImportedError(f"{path.name} has no mesh {', '.join(missing)}")
+    return found
+
+
+def _has_name(imported: str, name: str, _names: frozenset[str]) -> bool:
+    return imported == name
+
+
+def _has_a_name(imported: str, _name: str, names: frozenset[str]) -> bool:
+    return imported in names
+
+
+def _has_plain_name(imported: str, _name: str, names: frozenset[str]) -> bool:
+    """Without spaces and full stops, or with a number of Blender's own."""
+    plain = names | {name.replace(" ", "_").replace(".", "_") for name in names}
+    return imported in plain or imported.rpartition(".")[0] in plain
 
 
 def _difference(ob: bpy.types.Object, expected: Sequence[Shape]) -> Difference:

@@ -501,6 +501,10 @@ TEXTS: dict[str, str] = {
     "The preset is of format {found}, this Turgor reads {known}": (
         "Die Vorlage hat das Format {found}, dieses Turgor liest {known}"
     ),
+    "{found} characters, need at most {most}": "{found} Zeichen, höchstens {most} sind möglich",
+    "line {line} has {found}": "in Zeile {line} steht {found}",
+    "brackets are more than {most} deep": "Klammern sind mehr als {most} tief",
+    "a number has more than {most} characters": "eine Zahl hat mehr als {most} Zeichen",
     "Not a joint preset of Turgor: {error}": "Keine Gelenkvorlage von Turgor: {error}",
     "Not a joint preset of Turgor: it has no turgor_joint": "Keine Gelenkvorlage von Turgor: turgor_joint fehlt",
     # What is off
@@ -786,8 +790,25 @@ TEXTS: dict[str, str] = {
         "Wo Punkte-Caches, Berichte und Unfertiges aufbewahrt werden"
     ),
     "Verify": "Prüfen",
-    "Play the bake in Blender and compare every frame with the live mesh": (
-        "Das Gebackene in Blender abspielen und jedes Bild mit dem lebenden Netz vergleichen"
+    "Play the bake in Blender and compare it with the live character, and on every frame with what was computed": (
+        "Das Gebackene in Blender abspielen und mit der lebenden Figur vergleichen, auf jedem Bild mit dem Berechneten"
+    ),
+    "On Every Frame": "Auf jedem Bild",
+    "Compare every frame with the live character. Off: the first and the last, those at which joints are worst, and"
+    " some between": (
+        "Jedes Bild mit der lebenden Figur vergleichen. Aus: das erste und das letzte, die mit dem größten Verlust der"
+        " Gelenke und einige dazwischen"
+    ),
+    "On frame {frame} modifiers after Turgor make {live} vertices live and {baked} of the copy: compared without"
+    " them": (
+        "Auf Bild {frame} machen Modifikatoren nach Turgor {live} Punkte der lebenden Figur und {baked} der Kopie:"
+        " ohne sie verglichen"
+    ),
+    "On frame {frame} the live character has {live} vertices and its copy {baked}: they cannot be compared": (
+        "Auf Bild {frame} hat die lebende Figur {live} Punkte und ihre Kopie {baked}: nicht vergleichbar"
+    ),
+    "{file} was of a bake of frames {frames} with other settings, and was replaced": (
+        "{file} war von einem Backen der Bilder {frames} mit anderen Einstellungen und wurde ersetzt"
     ),
     "Hide Original": "Original verbergen",
     "Hide the live mesh in the viewport and in renders when its bake is there": (

@@ -60,7 +60,7 @@ function compileJob(job) {
     job.addTask(merge);
     for (let part = 1; part <= parts; part++) {
         const task = author.Task("verify-" + part, "blender");
-        const share = ["verify", "--error=" + settings.verify_error, "--part=" + part + "/" + parts];
+        const share = ["verify", "--error=" + settings.verify_error, "--live-frames=0", "--part=" + part + "/" + parts];
         task.addCommand(turgor(settings, baked, share));
         task.addDependency(merge);
         job.addTask(task);

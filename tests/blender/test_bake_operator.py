@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import signal
-import subprocess
-import sys
-from pathlib import Path
 
 import bpy
 import numpy as np
@@ -14,9 +10,6 @@ import pytest
 from body import add_spine, body, chain
 from measure import positions
 from tube import LAST_FRAME, add_turgor, character, select
-
-TESTS = Path(__file__).resolve().parent
-REPOSITORY = TESTS.parents[1]
 
 
 def baked_tube(**chosen) -> bpy.types.Object:
@@ -211,50 +204,3 @@ def test_a_cancelled_bake_leaves_nothing_but_its_chunks(runtime, tmp_path):
     list(again.run())
     assert again.report.resumed_chunks == again.chunk_count
     assert not [path for path in tmp_path.iterdir() if path.is_dir()]
-
-
-KILLED = """
-import importlib, os, signal, sys
-sys.path[:0] = [{repository!r}, {tests!r}]
-import bpy, numpy as np
-addon = importlib.import_module("addon")
-bpy.ops.wm.read_factory_settings(use_empty=True)
-addon.register()
-bpy.ops.wm.open_mainfile(filepath={path!r})
-from addon.bake import job, options
-frames = np.arange(1.0, 257.0)
-from pathlib import Path
-ob = bpy.data.objects["Tube"]
-made = job.Job(ob, options.Options("POINT_CACHE", frames, folder=Path({folder!r}), name="Baked"))
-for progress in made.run():
-    if {is_killed} and any(len(path.read_text().splitlines()) > 1 for path in Path({folder!r}).rglob("*.journal")):
-        os.kill(os.getpid(), signal.SIGKILL)
-print("resumed", made.report.resumed_chunks, flush=True)
-addon.unregister()
-"""
-
-
-def _run(path: Path, folder: Path, *, is_killed: bool) -> subprocess.CompletedProcess[str]:
-    places = {"repository": str(REPOSITORY), "tests": str(TESTS), "path": str(path), "folder": str(folder)}
-    script = KILLED.format(**places, is_killed=is_killed)
-    return subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=300)
-
-
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no kill -9 on this system")
-def test_a_killed_bake_goes_on_and_makes_the_same_file(tmp_path):
-    baked_tube()
-    path = tmp_path / "file.blend"
-    bpy.ops.wm.save_as_mainfile(filepath=str(path))
-    saved = path.read_bytes()
-    folder = tmp_path / "cache"
-    killed = _run(path, folder, is_killed=True)
-    assert killed.returncode == -signal.SIGKILL
-    assert path.read_bytes() == saved
-    assert not list(folder.glob("*.pc2"))
-    resumed = _run(path, folder, is_killed=False)
-    assert resumed.returncode == 0, resumed.stderr
-    count = int(resumed.stdout.split("resumed")[1].split()[0])
-    assert count >= 1
-    fresh = _run(path, tmp_path / "fresh", is_killed=False)
-    assert "resumed 0" in fresh.stdout
-    assert (folder / "Tube.pc2").read_bytes() == (tmp_path / "fresh" / "Tube.pc2").read_bytes()

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from measure import enclosed_volume, evaluated_mesh, mesh_positions, volume
-from tube import LAST_FRAME, add_turgor, character, select, set_strength
+from tube import LAST_FRAME, add_turgor, character, place, select, set_strength, tube_mesh
 
 FRAMES = (1, 8, 15, LAST_FRAME)
 # Of the size: float32 of the files, of several matrices in a chain, and of key values.
@@ -159,3 +159,24 @@ def test_nothing_is_left_of_an_export_that_failed(live, tmp_path):
         bpy.ops.export_scene.turgor(filepath=str(tmp_path / "file" / "in.fbx"), format="FBX")
     assert names() == before
     assert ob.select_get()
+
+
+@pytest.mark.parametrize("kind", ["GLTF", "FBX", "USD", "ALEMBIC"])
+def test_objects_whose_names_are_alike_are_compared_with_themselves(live, tmp_path, kind: str):
+    ob, armature = live
+    other = place("Tube.001", tube_mesh("Tube.001", at_x=3.0, rings=31), armature)
+    add_turgor(other)
+    exports, reimport = (importlib.import_module(f"addon.bake.{name}") for name in ("exports", "reimport"))
+    settings = exports.Settings(kind, tmp_path / f"two{exports.SUFFIXES[kind]}")
+    exports.export([ob, other], settings)
+    found = reimport.compare([other, ob], settings)
+    assert len(found) == 2
+    assert all(100.0 * each.max_error_relative <= reimport.tolerance_percent(settings) for each in found.values())
+
+
+def test_a_name_with_a_number_keeps_it(live, tmp_path):
+    ob, _ = live
+    select([ob])
+    for name in ("Tube.001", "Tube.002"):
+        assert bpy.ops.export_scene.turgor(filepath=str(tmp_path / name), format="GLTF", verify=False) == {"FINISHED"}
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["Tube.001.glb", "Tube.002.glb"]

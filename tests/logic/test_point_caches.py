@@ -90,6 +90,24 @@ def test_what_was_written_is_found_again_by_what_it_was_made_from(tmp_path: Path
     assert (tmp_path / "one.pc2").read_bytes() == _whole(tmp_path / "fresh", [0, 1, 2])
 
 
+def test_what_was_moved_to_its_place_before_a_kill_is_found_there(tmp_path: Path):
+    place = tmp_path / "one.pc2"
+    _written(tmp_path, [0, 1, 2]).finish(place)
+    whole = place.read_bytes()
+    again = PointCacheStore(tmp_path / "chunks", HEADER, CHUNK, place)
+    assert _found(again) == [True] * 3
+    assert place.read_bytes() == whole
+    again.put(1, "other", CHUNKS[1] + 1)
+    again.close()
+    assert place.read_bytes() == whole
+    third = PointCacheStore(tmp_path / "chunks", HEADER, CHUNK, place)
+    assert third.find(1, "f1", CHUNKS[1].shape) is None
+    assert _found(third) == [True, False, True]
+    third.put(1, "f1", CHUNKS[1])
+    third.finish(place)
+    assert place.read_bytes() == whole
+
+
 def test_another_range_or_chunk_size_begins_anew(tmp_path: Path):
     for header, chunk in ((HEADER._replace(step=0.5), CHUNK), (HEADER, CHUNK + 1)):
         _written(tmp_path, [0, 1, 2]).close()
@@ -164,6 +182,35 @@ def test_two_bakes_at_one_time_have_files_of_their_own_and_a_killed_one_leaves_i
     store.close()
 
 
+def test_what_another_bake_uses_stays_until_it_ends(tmp_path: Path):
+    folder = tmp_path / "chunks"
+    stores = [_written(tmp_path, [0, 1, 2]), _written(tmp_path, [0, 1])]
+    stores[0].finish(tmp_path / "one.pc2")
+    stores[0].clear()
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "cache1.journal",
+        "cache1.pc2",
+        "user0.lock",
+        "user1.lock",
+    ]
+    stores[1].put(2, "f2", CHUNKS[2])
+    stores[1].finish(tmp_path / "two.pc2")
+    stores[1].clear()
+    assert not folder.exists()
+    assert (tmp_path / "one.pc2").read_bytes() == (tmp_path / "two.pc2").read_bytes()
+    chunks = [ChunkStore(folder).hold() for _ in range(2)]
+    for store in chunks:
+        store.put(0, "f0", CHUNKS[0])
+    chunks[0].clear()
+    assert np.array_equal(chunks[1].read(0, CHUNKS[0].shape), CHUNKS[0])
+    chunks[1].close()
+    another = ChunkStore(folder).hold()
+    chunks[1].clear()
+    assert np.array_equal(chunks[1].read(0, CHUNKS[0].shape), CHUNKS[0])
+    another.clear()
+    assert not folder.exists()
+
+
 def test_a_full_disk_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     store = _written(tmp_path, [0, 1, 2])
 
@@ -171,7 +218,7 @@ def test_a_full_disk_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     monkeypatch.setattr(point_cache_store.os, "fsync", full)
-    with pytest.raises(WriteError, match=r"No space left for one\.pc2"):
+    with pytest.raises(WriteError, match=r"No space left for cache\.pc2"):
         store.finish(tmp_path / "one.pc2")
     assert not (tmp_path / "one.pc2").exists()
     if Path("/dev/full").exists():
