@@ -419,7 +419,7 @@ class Report:
         """(K,)"""
     @property
     def corrected_volumes(self) -> NDArray[np.float64]:
-        """(K,) as solved: the volume's cubic at the step that was taken, about 1e-12 of the volume from what `positions` have.
+        """(K,) as solved: the volume's cubic at the step that was taken, about 1e-12 from that of `positions`.
 
         To measure it apart from the solver: `Mesh.component_volumes(frame.positions)`.
         """
