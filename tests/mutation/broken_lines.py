@@ -74,7 +74,6 @@ BROKEN_LINES = (
         "else { topology.component_of_point[point as usize] }",
         _PATHS,
     ),
-    BrokenLine("rust/core/src/frame/offsets.rs", "&& frame.added.is_empty()", "", _PATHS),
     BrokenLine("rust/core/src/frame/offsets.rs", "!binding.sites.is_split() && ", "", _PATHS),
     BrokenLine("rust/core/src/spine/flow.rs", "&self.cells[0]", "&self.cells[70]", ("tests/engine/test_spine_map.py",)),
     BrokenLine("rust/core/src/mask.rs", "if m < *least { m } else { *least }", "m", _MASKS[:1]),

@@ -5,7 +5,7 @@ mod character;
 use character::{bound, posed, skinning, tube};
 use glam::{DMat4, DVec3};
 use proptest::prelude::*;
-use turgor::{Joint, Mesh, Mode, Pose, Profile, Profiles, Report, Shares, VolumeSkin, Workspace};
+use turgor::{Joint, Mesh, Mode, Pose, Profile, Profiles, Report, Shares, VolumeSkin, Workspace, Workspaces};
 
 /// A turn of a bone, at most about 100 degrees.
 fn turn() -> impl Strategy<Value = DVec3> {
@@ -130,4 +130,37 @@ proptest! {
         prop_assert_eq!(&one, &three);
         prop_assert_eq!(&one, &body.positions(&workspace).1);
     }
+
+    /// Positions of many poses at once against each frame's own, with what another deformer adds, objects anywhere, twins at one
+    /// place that are held differently.
+    #[test]
+    fn many_poses_give_the_bits_of_each_alone(turns in turns(5), shift in turn(), effect in 0.0..1.0, mode in modes(), is_split in any::<bool>(), is_added in any::<bool>()) {
+        let faces = if is_split { split_apart(&tube(9, 7)) } else { tube(9, 7) };
+        let body = bound(&faces, 5, mode, &[], &[]);
+        let matrices = posed(&turns);
+        let added: Vec<[f32; 3]> = (0..faces.0.len()).map(|i| shift.to_array().map(|x| (x * ((i % 7) as f64 - 3.0) * 0.01) as f32)).collect();
+        let pose = Pose {
+            object_from_armature: DMat4::from_scale_rotation_translation(DVec3::splat(1.5), glam::DQuat::from_rotation_y(0.4), shift * 9.0),
+            added_offsets: is_added.then_some(&*added),
+            ..Pose::new(&matrices)
+        };
+        let mut many = vec![[f32::NAN; 3]; 2 * faces.0.len()];
+        body.deform_many(&[pose, pose], &[effect, 1.0], &mut many, &Workspaces::default()).expect("sound poses");
+        let (mut workspace, mut offsets) = (body.workspace(), vec![[0.0; 3]; faces.0.len()]);
+        body.deform(&pose, &mut workspace, &mut offsets).expect("a sound pose");
+        let skinned = body.positions(&workspace).0;
+        for (part, rows) in [effect, 1.0].into_iter().zip(many.chunks(faces.0.len())) {
+            for ((p, offset), row) in skinned.iter().zip(&offsets).zip(rows) {
+                for axis in 0..3 {
+                    prop_assert_eq!(row[axis], (p[axis] + part * f64::from(offset[axis])) as f32);
+                }
+            }
+        }
+    }
+}
+
+/// Every face with vertices of its own, as importers leave hard seams.
+fn split_apart((positions, offsets, corners): &character::Faces) -> character::Faces {
+    let own = corners.iter().map(|&corner| positions[corner as usize]).collect();
+    (own, offsets.clone(), (0..corners.len() as i32).collect())
 }

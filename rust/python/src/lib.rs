@@ -19,7 +19,12 @@ pyo3::create_exception!(turgor, TurgorError, pyo3::exceptions::PyValueError, "Wh
 
 pyo3::create_exception!(turgor, CancelledError, pyo3::exceptions::PyException, "A progress callback returned False: nothing was changed.");
 
-pyo3::create_exception!(turgor, FaultError, TurgorError, "A fault of the engine itself, where and why; there is no result. Please report it.");
+pyo3::create_exception!(
+    turgor,
+    FaultError,
+    TurgorError,
+    "A fault of the engine itself, where and why; there is no result. Please report it."
+);
 
 /// Engine errors become `turgor.TurgorError`, being cancelled a `turgor.CancelledError`.
 #[allow(clippy::needless_pass_by_value, reason = "what map_err hands over")]
