@@ -48,6 +48,10 @@ pub enum Error {
     StationCount { found: usize, bound: usize },
     #[error("no bone to give weights to: pass at least one that is not locked")]
     NoFreeBone,
+    #[error("resolution {resolution} makes more voxels than fit into memory: need a lower one, or surfaces that are less folded up")]
+    TooManyVoxels { resolution: usize },
+    #[error("weights of {points} points on {bones} bones do not fit into memory: give weights to fewer meshes or bones at a time")]
+    TooManyWeights { points: usize, bones: usize },
     #[error("cancelled: nothing was changed")]
     Cancelled,
 }

@@ -22,6 +22,7 @@ mod many_poses;
 mod mask;
 mod mesh;
 mod motions;
+mod nearness;
 mod patches;
 mod profile;
 mod repair;
