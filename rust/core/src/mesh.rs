@@ -191,18 +191,21 @@ impl<'a> Solve<'a> {
             })
             .collect();
         let cubics = surface::cubics(&self.mesh.topology, &self.points, &field);
+        let mut steps = vec![None; changes.len()];
         for (component, (cubic, &change)) in cubics.iter().zip(changes).enumerate() {
             if change == 0.0 {
                 continue;
             }
             let target = self.volumes[component] + change;
-            let Some(step) = cubic.root_nearest_zero(target) else {
+            steps[component] = cubic.root_nearest_zero(target);
+            if steps[component].is_none() {
                 return Err(Error::NothingToMove { component, volume: change });
-            };
-            for (point, p) in self.points.iter_mut().enumerate() {
-                if self.mesh.topology.component_of_point[point] as usize == component {
-                    *p += field[point] * step;
-                }
+            }
+        }
+        for (point, p) in self.points.iter_mut().enumerate() {
+            let component = self.mesh.topology.component_of_point[point] as usize;
+            if let Some(&Some(step)) = steps.get(component) {
+                *p += field[point] * step;
             }
         }
         Ok(())
