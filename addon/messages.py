@@ -25,7 +25,7 @@ def message(template: str, /, **values: object) -> Message:
     return filled
 
 
-def of_error(error: Exception) -> str:
+def of_error(error: BaseException) -> str:
     """The message that an error was made with."""
     first = error.args[0] if error.args else ""
     return first if isinstance(first, str) and first else str(error) or repr(error)

@@ -39,8 +39,11 @@ class Folds:
 class Figures:
     """One frame of a character in the viewport. Deviations in percent of the volume at full strength."""
 
+    # As the engine says of its own solution, and of skinning.
     corrected_deviation: float
     skinned_deviation: float
+    # Measured on the mesh that the viewport shows; None where that has other vertices than were bound.
+    shown_deviation: float | None
     joints: dict[str, JointFigures]
     folds: Folds | None = None  # where they are repaired
 
@@ -233,6 +236,18 @@ def character(uid: int) -> Character:
 def spine(uid: int) -> Character:
     with lock:
         return session.spines.setdefault(uid, Character())
+
+
+def object_of(uid: int, known: Character, objects: Any) -> Any:
+    """What is known as `known`, among objects of Blender that can be looked up by name; None where it is not.
+
+    By the name it had, which is fast; names alone do not tell, since linked objects may bear the same.
+    """
+    ob = objects.get(known.name)
+    if ob is None or ob.session_uid != uid:
+        ob = next((other for other in objects if other.session_uid == uid), None)
+        known.name = known.name if ob is None else ob.name
+    return ob
 
 
 def known(kind: str, uid: int) -> Character:

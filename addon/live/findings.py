@@ -37,7 +37,7 @@ def finding(target: bpy.types.Object, severity: str, name: str, text: str, fix: 
     return Finding(name, severity, text, fix, subject, refusals.refusal(target, fix, subject) if fix else "")
 
 
-def of_error(target: bpy.types.Object, error: Exception) -> Finding:
+def of_error(target: bpy.types.Object, error: BaseException) -> Finding:
     """Why the mesh shows what it would without ours."""
     if isinstance(error, BindError):
         return of_obstacle(target, "ERROR", error.obstacle)

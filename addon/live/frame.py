@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .. import runtime
 from ..logic import figures
-from ..scene import frame, settings
+from ..scene import frame, settings, shown_mesh
 from . import engines, findings, spine_frame
 from .binding import Bound
 from .guard import guarded
@@ -33,7 +33,7 @@ def _correct_bound(target: bpy.types.Object, known: runtime.Character, address: 
     bound: Bound | None = known.body
     if bound is None or bound.body.vertex_count != vertex_count:
         return False
-    _correct(target, known, bound, address)
+    _correct(target, known, bound, address, vertex_count)
     return True
 
 
@@ -65,11 +65,11 @@ def read(target: bpy.types.Object, known: runtime.Character, bound: Bound) -> Re
     return Request(now.engine, pose_matrices, options, now.strengths, now.saved)
 
 
-def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, address: int) -> None:
+def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, address: int, vertex_count: int) -> None:
     started = perf_counter()
     asked = read(target, known, bound)
     ready = perf_counter()
-    report = asked.engine.deform_into_address(address, bound.body.vertex_count, asked.pose_matrices, **asked.options)
+    report = asked.engine.deform_into_address(address, vertex_count, asked.pose_matrices, **asked.options)
     done = perf_counter()
     if not runtime.session.is_rendering:
         _remember(target, known, bound, asked, lambda: report)
@@ -99,27 +99,44 @@ def _remember(
     report: Callable[[], turgor.Report],
 ) -> None:
     known.name = target.name
-    known.measure = measure = runtime.Once(lambda: _figures(report(), bound, asked))
     uid = target.original.session_uid
-    known.inspect = runtime.Once(lambda: _inspect(known, uid, measure(), bound, asked.strengths))
+    known.measure = measure = runtime.Once(lambda: _figures(uid, known, report(), bound, asked))
+    known.inspect = runtime.Once(lambda: _inspect(uid, known, measure(), bound, asked.strengths))
 
 
-def _figures(report: turgor.Report, bound: Bound, asked: Request) -> runtime.Figures:
-    found = figures.frame_figures(report, bound.body.rest_volume, asked.strengths, asked.options["target_scale"])
+def _figures(
+    uid: int, known: runtime.Character, report: turgor.Report, bound: Bound, asked: Request
+) -> runtime.Figures:
+    """When a panel is drawn, on the main thread: after all that the viewport shows was evaluated."""
+    found = figures.frame_figures(
+        report,
+        bound.body.rest_volume,
+        asked.strengths,
+        asked.options["target_scale"],
+        _shown_volumes(uid, known, bound),
+    )
     names = [bound.bones.names[bone] for bone in bound.body.joint_bones]
     rows = zip(found.lost, found.regained, found.is_capped, strict=True)
     by_bone = {name: runtime.JointFigures(*row) for name, row in zip(names, rows, strict=True)}
     folds = None
     if asked.options.get("repair_folds"):
         folds = runtime.Folds(report.folds_found, report.folds_left, len(report.blocked_vertices))
-    return runtime.Figures(found.corrected_deviation, found.skinned_deviation, by_bone, folds)
+    return runtime.Figures(found.corrected_deviation, found.skinned_deviation, found.shown_deviation, by_bone, folds)
+
+
+def _shown_volumes(uid: int, known: runtime.Character, bound: Bound) -> NDArray[np.float64] | None:
+    target = runtime.object_of(uid, known, bpy.data.objects)
+    positions = None if target is None else shown_mesh.positions(target)
+    if positions is None or len(positions) != bound.body.vertex_count or not np.isfinite(positions).all():
+        return None
+    return bound.body.mesh.component_volumes(positions)
 
 
 def _inspect(
-    known: runtime.Character, uid: int, figures: runtime.Figures, bound: Bound, strengths: NDArray[np.float64]
+    uid: int, known: runtime.Character, figures: runtime.Figures, bound: Bound, strengths: NDArray[np.float64]
 ) -> tuple[runtime.Finding, ...]:
     """When a panel is drawn, on the main thread."""
-    target = next((ob for ob in bpy.data.objects if ob.session_uid == uid), None)
+    target = runtime.object_of(uid, known, bpy.data.objects)
     if target is None:
         return ()
     names = [bound.bones.names[bone] for bone in bound.body.joint_bones]

@@ -24,7 +24,7 @@ def guarded(
         return False
     try:
         is_shown = compute(known)
-    except Exception as error:  # the artist reads it in the panel
+    except BaseException as error:  # the artist reads it in the panel; what else passes freezes the pose without a word
         runtime.set_failure(known, original.name, findings.of_error(original, error))
         return False
     if is_shown:

@@ -59,12 +59,13 @@ def forget_settings(target: bpy.types.Object) -> None:
 
 
 def give_own_carriers(objects: Iterable[bpy.types.Object]) -> None:
-    """After Shift-D a copy reads the carrier and the curves of its original; give it its own."""
+    """After Shift-D a copy reads the carrier and the curves of its original, an override shares its mesh."""
     for ob in objects:
         if stack.volume_modifier(ob) is None or not is_editable(ob):
             continue
         holder = carrier.carrier_of(ob)
         if holder is not None and holder.turgor.carrier.target == ob:
+            carrier.give_own_meshes([holder])
             continue
         others = [other for other in characters() if other != ob]
         curves.make_single_user(ob, others)

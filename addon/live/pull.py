@@ -26,5 +26,6 @@ def on_tick(evaluated: TurgorCarrier) -> None:
     if not vertex_count:
         return
     deform = FRAMES[evaluated.kind]
+    # What an earlier evaluation wrote may still be there.
     if target is None or not target.is_evaluated or not deform(target, address, vertex_count):
         ctypes.memset(address, 0, vertex_count * FLOAT3_BYTES)

@@ -52,8 +52,8 @@ def forget() -> None:
 
 def observe(depsgraph: bpy.types.Depsgraph) -> None:
     """Figures of characters whose modifier is off in this evaluation, so that Before has some too."""
-    for known in list(runtime.session.characters.values()):
-        ob = bpy.data.objects.get(known.name)
+    for uid, known in list(runtime.session.characters.items()):
+        ob = runtime.object_of(uid, known, bpy.data.objects)
         ours = None if ob is None else stack.volume_modifier(ob)
         if ours is not None and not ours.show_viewport:
             target = ob.evaluated_get(depsgraph)

@@ -48,10 +48,13 @@ def forget_settings(target: bpy.types.Object) -> None:
 
 
 def give_own_carriers(objects: Iterable[bpy.types.Object]) -> None:
-    """After Shift-D a copy reads the carrier and the rest curve of its original; give it its own."""
+    """After Shift-D a copy reads the carrier and the rest curve of its original, an override shares its mesh."""
     for ob in objects:
         holder = carrier.carrier_of(ob, node_group.SPINE) if spine_stack.spine_modifier(ob) is not None else None
-        if holder is None or holder.turgor.carrier.target == ob or not is_editable(ob):
+        if holder is None or not is_editable(ob):
+            continue
+        if holder.turgor.carrier.target == ob:
+            carrier.give_own_meshes([holder])
             continue
         if ob.turgor_spine.bound_curve is not None:
             ob.turgor_spine.bound_curve = ob.turgor_spine.bound_curve.copy()

@@ -39,6 +39,7 @@ def start() -> None:
         found, bodies = housekeeping.characters(), spine_housekeeping.bodies()
         housekeeping.give_own_carriers(found)
         spine_housekeeping.give_own_carriers(bodies)
+        carrier.give_own_meshes(carrier.carriers())
     for target in bodies:
         spine_binding.bind(target)
     for target in found:

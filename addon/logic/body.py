@@ -67,6 +67,11 @@ class Body:
         return self._current[1]
 
     @property
+    def mesh(self) -> turgor.Mesh:
+        """As bound."""
+        return self._bound.mesh
+
+    @property
     def vertex_count(self) -> int:
         """Vertices of the stack after the Armature."""
         return self._bound.mesh.vertex_count

@@ -14,18 +14,24 @@ class FrameFigures(NamedTuple):
 
     corrected_deviation: float
     skinned_deviation: float
+    shown_deviation: float | None  # of what is measured
     lost: list[float]  # (J,)
     regained: list[float]  # (J,)
     is_capped: list[bool]  # (J,)
 
 
 def frame_figures(
-    report: turgor.Report, rest_volume: float, strengths: NDArray[np.float64], target_scale: float
+    report: turgor.Report,
+    rest_volume: float,
+    strengths: NDArray[np.float64],
+    target_scale: float,
+    shown_volumes: NDArray[np.float64] | None,
 ) -> FrameFigures:
     """Components count by the size of their volume, so that faces looking inwards do not cancel others.
 
     strengths: (J,) per joint of the report. A joint below full strength lowers the engine's target by what it keeps;
-    the artist is shown how much is missing.
+    the artist is shown how much is missing. shown_volumes: (K,) measured on the mesh that is shown, apart from the
+    engine's solver; None where it cannot be measured.
     """
     kept = float(((1.0 - strengths) * report.joint_losses).sum()) * target_scale
     target = np.abs(report.target_volumes).sum() + kept
@@ -33,6 +39,7 @@ def frame_figures(
     return FrameFigures(
         _deviation(np.abs(report.corrected_volumes).sum(), target),
         _deviation(np.abs(report.skinned_volumes).sum(), target),
+        None if shown_volumes is None else _deviation(np.abs(shown_volumes).sum(), target),
         (report.joint_losses * percent).tolist(),
         (report.joint_regained * percent).tolist(),
         report.joint_is_capped.tolist(),

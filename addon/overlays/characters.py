@@ -19,10 +19,7 @@ def shown(context: bpy.types.Context) -> Iterator[tuple[bpy.types.Object, runtim
         return
     objects = context.view_layer.objects
     for uid, known in list(runtime.session.characters.items()):
-        ob = objects.get(known.name)
-        if ob is not None and ob.session_uid != uid:
-            # Linked objects may bear the same name.
-            ob = next((other for other in objects if other.session_uid == uid), None)
+        ob = runtime.object_of(uid, known, objects)
         if ob is not None and ob.turgor.version > 0 and ob.visible_in_viewport_get(space):
             yield ob, known
 

@@ -26,11 +26,14 @@ def draw(ob: bpy.types.Object, known: runtime.Character, x: float, y: float) -> 
         return y
     corrected = _error(figures.corrected_deviation)
     skinned = signed_percent(figures.skinned_deviation, 2)
+    computed = corrected if is_after(ob) else skinned
+    measured = figures.shown_deviation
+    error = iface_("{error}, computed").format(error=computed) if measured is None else _error(measured)
     if is_after(ob):
-        shown = iface_("volume {error}").format(error=corrected)
+        shown = iface_("volume {error}").format(error=error)
         beside = iface_("without Turgor {error}").format(error=skinned)
     else:
-        shown = iface_("volume {error}, Turgor is off").format(error=skinned)
+        shown = iface_("volume {error}, Turgor is off").format(error=error)
         beside = iface_("with Turgor {error}").format(error=corrected)
     gap = 0.6 * text.unit()
     end = text.write(f"{ob.name}  {shown}", x, y, text.theme_color())

@@ -50,14 +50,6 @@ def shown_characters(context: bpy.types.Context) -> list[bpy.types.Object]:
     if ob.type != "ARMATURE":
         return []
     knowns = [(uid, known) for uid, known in list(runtime.session.characters.items()) if known.body is not None]
-    found = [_object_of(uid, known) for uid, known in knowns if known.body.rig == ob.session_uid]
+    of_rig = [(uid, known) for uid, known in knowns if known.body.rig == ob.session_uid]
+    found = [runtime.object_of(uid, known, bpy.data.objects) for uid, known in of_rig]
     return [target for target in found if has_volume(target)]
-
-
-def _object_of(uid: int, known: runtime.Character) -> bpy.types.Object | None:
-    """By the name it had, which is looked up fast; all objects are searched where that is not it any more."""
-    ob = bpy.data.objects.get(known.name)
-    if ob is None or ob.session_uid != uid:
-        ob = next((other for other in bpy.data.objects if other.session_uid == uid), None)
-        known.name = known.name if ob is None else ob.name
-    return ob

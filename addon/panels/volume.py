@@ -79,14 +79,15 @@ def known_of(ob: bpy.types.Object) -> runtime.Character:
 
 
 def draw_readout(layout: bpy.types.UILayout, known: runtime.Character, *, is_on: bool) -> None:
-    """The volume error of the frame; on the second line without Turgor, or with it where it is off."""
+    """The volume error of the mesh that is shown; on the second line without Turgor, or with it where it is off."""
     figures = known.figures
     if figures is None:
         return
-    digits = 2 if abs(figures.corrected_deviation) >= VISIBLE_PERCENT else 4
-    corrected = signed_percent(figures.corrected_deviation, digits)
+    corrected = volume_error(figures.corrected_deviation)
     skinned = signed_percent(figures.skinned_deviation, 2)
-    shown, beside = (corrected, iface_("without Turgor")) if is_on else (skinned, iface_("with Turgor"))
+    computed, beside = (corrected, iface_("without Turgor")) if is_on else (skinned, iface_("with Turgor"))
+    measured = figures.shown_deviation
+    shown = iface_("{error}, computed").format(error=computed) if measured is None else volume_error(measured)
     column = layout.box().column(align=True)
     line = column.row()
     line.alignment = "CENTER"
@@ -100,6 +101,11 @@ def draw_readout(layout: bpy.types.UILayout, known: runtime.Character, *, is_on:
         line.alignment = "CENTER"
         line.active = False
         line.label(text=_folds_text(figures.folds), translate=False)
+
+
+def volume_error(percent: float) -> str:
+    """With more digits where it is next to nothing."""
+    return signed_percent(percent, 2 if abs(percent) >= VISIBLE_PERCENT else 4)
 
 
 def _folds_text(folds: runtime.Folds) -> str:

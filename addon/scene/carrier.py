@@ -5,14 +5,13 @@ Its attribute is zero in saved files, so that a file opened without the extensio
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from . import modifier_inputs, node_group, stack
-from .drivers import TICK_MODIFIER
+from . import drivers, modifier_inputs, node_group, stack
 
 
 def carriers() -> Iterator[bpy.types.Object]:
@@ -44,7 +43,7 @@ def create(target: bpy.types.Object, kind: node_group.Kind = node_group.VOLUME) 
     """A carrier without vertices."""
     mesh = bpy.data.meshes.new(f"{kind.label} {target.name}")
     carrier = bpy.data.objects.new(mesh.name, mesh)
-    carrier.modifiers.new(TICK_MODIFIER, "NODES").node_group = node_group.ensure_tick()
+    carrier.modifiers.new(drivers.TICK_MODIFIER, "NODES").node_group = node_group.ensure_tick()
     carrier.turgor.carrier.mesh = mesh
     carrier.turgor.carrier.target = target
     carrier.turgor.carrier.kind = next(name for name, known in node_group.KINDS.items() if known == kind)
@@ -56,6 +55,23 @@ def assign(target: bpy.types.Object, carrier: bpy.types.Object) -> None:
     """Let the object's modifier read this carrier."""
     modifier_inputs.write_input(stack.own_modifier(target, kind_of(carrier)), node_group.CARRIER, carrier)
     target.update_tag()
+
+
+def give_own_meshes(holders: Iterable[bpy.types.Object]) -> None:
+    """A mesh of its own for each of these carriers that may be written and shares one.
+
+    Overrides of a linked character share the linked mesh: Blender would let each show the offsets of whichever was
+    evaluated last.
+    """
+    taken: set[bpy.types.Mesh] = set()
+    for holder in holders:
+        mesh = holder.turgor.carrier.mesh
+        if holder.library is None and (mesh.library is not None or mesh in taken or holder.data != mesh):
+            own = mesh.copy()
+            holder.data = holder.turgor.carrier.mesh = own
+            drivers.replace_owner(holder, mesh, own)
+            mesh = own
+        taken.add(mesh)
 
 
 def resize(carrier: bpy.types.Object, vertex_count: int) -> None:

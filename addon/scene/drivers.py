@@ -115,6 +115,15 @@ def revalidate_tick(carrier: bpy.types.Object) -> None:
         curve.driver.type = curve.driver.type
 
 
+def replace_owner(carrier: bpy.types.Object, before: bpy.types.ID, after: bpy.types.ID) -> None:
+    """Let the carrier's `tick` be read after `after` instead of `before`."""
+    curve = tick_curve(carrier)
+    for variable in () if curve is None else curve.driver.variables:
+        target = variable.targets[0]
+        if target.id == before:
+            target.id = after
+
+
 def tick_curve(carrier: bpy.types.Object) -> bpy.types.FCurve | None:
     """The driver of `write_tick`."""
     animation = carrier.animation_data

@@ -345,6 +345,7 @@ TEXTS: dict[str, str] = {
     "Before": "Vorher",
     "After": "Nachher",
     "Volume error {error}": "Volumenfehler {error}",
+    "{error}, computed": "{error}, berechnet",
     "without Turgor": "ohne Turgor",
     "with Turgor": "mit Turgor",
     "volume {error}": "Volumen {error}",

@@ -207,3 +207,23 @@ def test_a_renamed_spine_keeps_its_rest(route):
     bpy.context.view_layer.update()
     bow(spine)
     assert np.abs(positions(ob) - bent).max() <= 1e-6
+
+
+@pytest.mark.parametrize("kind", ["BEZIER", "NURBS", "POLY"])
+def test_points_deleted_from_the_curve_leave_the_body_along_it(route, runtime, kind):
+    """The rest has many more points than the curve has now; lengths match."""
+    ob, many = body(), curve(kind, points=60)
+    target = volume(ob)
+    add_spine(ob, many)
+    few = curve(kind, points=5)
+    bow(few)
+    bent = few.data.copy()
+    bpy.data.objects.remove(few)
+    many.data = bent
+    bpy.context.view_layer.update()
+    bpy.context.scene.frame_set(2)
+    assert runtime.spine(ob.session_uid).problem is None
+    shown = positions(ob)
+    assert np.isfinite(shown).all()
+    assert np.ptp(shown[:, 0]) > 1.2
+    assert abs(volume(ob) / target - 1.0) <= VOLUME_TOLERANCE

@@ -78,6 +78,18 @@ def tube(rings: int = 9, sides: int = 8, length: float = 4.0, radius: float = 0.
     return Surface(sleeve.positions, [*sleeve.faces, start, end])
 
 
+def shells_on_common_points(rng: np.random.Generator, count: int) -> Surface:
+    """Tetrahedra about corners of a few points, so that some share points, edges or faces; along x from 0 to 4."""
+    positions = rng.normal(size=(int(rng.integers(5, 5 + 3 * count)), 3)) * [1.0, 0.4, 0.4] + [2.0, 0.0, 0.0]
+    faces: list[list[int]] = []
+    for _ in range(count):
+        a, b, c, d = (int(corner) for corner in rng.permutation(len(positions))[:4])
+        if np.linalg.det(positions[[b, c, d]] - positions[a]) < 0.0:
+            b, c = c, b
+        faces += [[a, c, b], [a, b, d], [b, c, d], [c, a, d]]
+    return Surface(positions, faces)
+
+
 def strip(length: int = 6) -> Surface:
     """A flat strip of quads: no inside."""
     x, y = np.meshgrid(np.arange(length + 1.0), [0.0, 1.0], indexing="ij")

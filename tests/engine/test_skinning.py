@@ -7,7 +7,7 @@ import pytest
 import reference_skinning
 from hypothesis import given
 from hypothesis import strategies as st
-from rigs import Mode, applied, careless, limb, random_rigid_motion
+from rigs import Mode, applied, careless, limb, random_rigid_motion, translation
 
 seeds = st.integers(0, 2**32 - 1)
 modes = st.sampled_from(["linear", "dual_quaternion"])
@@ -39,6 +39,22 @@ def test_careless_weights(seed: int, mode: Mode):
     pose = rig.random_pose(rng, 2.5)
     expected = REFERENCES[mode](rig, rig.surface.positions, pose)
     np.testing.assert_allclose(rig.skinning(mode).deform(rig.surface.positions, pose), expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("mode", ["linear", "dual_quaternion"])
+@pytest.mark.parametrize(("total", "is_moved"), [(0.0, False), (0.99e-4, False), (1.01e-4, True), (1.0, True)])
+def test_vertices_of_next_to_no_weight_stay(mode: Mode, total: float, is_moved: bool):
+    """As in Blender: up to a sum of 0.0001 no bone holds a vertex, in frames too."""
+    rig = limb()
+    light = np.arange(0, len(rig.weights), 7)
+    rig.weights[light] *= total
+    pose = translation([0.3, -0.2, 0.1]) @ rig.random_pose(np.random.default_rng(4), 0.7)
+    expected = REFERENCES[mode](rig, rig.surface.positions, pose)
+    frame = rig.body(mode).deform(pose)
+    for skinned in (rig.skinning(mode).deform(rig.surface.positions, pose), frame.skinned):
+        np.testing.assert_allclose(skinned, expected, atol=1e-9)
+        moved = np.abs(skinned - rig.surface.positions)[light].max(axis=1)
+        assert (moved > 1e-3).all() if is_moved else (moved <= 1e-12).all()
 
 
 @given(seeds, modes)

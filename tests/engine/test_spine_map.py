@@ -15,7 +15,7 @@ import pytest
 import turgor
 from hypothesis import given
 from hypothesis import strategies as st
-from spines import KINDS, Kind, about, helix, line, poses, size, wave
+from spines import KINDS, Kind, Match, about, helix, line, poses, size, wave
 
 RNG = np.random.default_rng(12)
 
@@ -55,6 +55,21 @@ def test_inverse_comes_back_from_spines_of_other_parameters(match):
     flesh = turgor.Fleshing(rest, points, match=match)
     there = flesh.deform(posed, twist=1.0, slide=0.3)
     assert np.abs(flesh.inverse(there, posed, twist=1.0, slide=0.3) - points).max() <= 1e-12 * size(points, there)
+
+
+@given(st.integers(2, 300), st.integers(2, 300), st.sampled_from(["relative_length", "length"]), st.integers(0, 99))
+def test_spines_of_any_numbers_of_stations_match_by_length(rest_count: int, posed_count: int, match: Match, seed: int):
+    """An artist may delete points of the posed curve. Straight spines move rigidly, whatever they are made of."""
+    turn, shift = rotation(seed), np.array([1.0, -2.0, 0.5])
+    rest = turgor.Spine(line(rest_count), normal=(0, 1, 0))
+    posed = turgor.Spine(line(posed_count) @ turn.T + shift, normal=turn[:, 1])
+    points = np.random.default_rng(seed).uniform([-1.0, -0.4, -0.4], [6.0, 0.4, 0.4], (300, 3))
+    body = turgor.Fleshing(rest, points, match=match)
+    moved = points @ turn.T + shift
+    assert np.abs(body.deform(posed) - moved).max() <= 1e-12 * size(moved)
+    assert np.abs(body.inverse(moved, posed) - points).max() <= 1e-12 * size(moved)
+    assert not body.validity(posed).is_clamped.any()
+    assert body.valid_radii(posed, np.linspace(*rest.parameter_range, 7)).min() > 1.0
 
 
 @given(poses(), poses(), st.sampled_from(KINDS))

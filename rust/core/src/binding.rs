@@ -25,6 +25,7 @@ pub(crate) struct Binding {
     pub patches: Patches,
     /// Per vertex; `NO_SLOT` for one of no sound component.
     pub slot_of_vertex: Vec<u32>,
+    /// Per vertex, the component that its slot is of: one of those that share the point. Of vertices without a slot, any.
     pub component_of_vertex: Vec<u32>,
     /// All vertices, in order of their slots.
     pub vertices_by_slot: Vec<u32>,
@@ -85,13 +86,17 @@ impl Binding {
         let plan = LossPlan::new(&anatomy, skinning.mode, has_shapes);
         let (area_unit, inverse_areas) = inverse_areas(topology, &patches, &points);
         let slot_of_vertex: Vec<u32> = topology.point_of_vertex.iter().map(|&point| patches.slot_of_point[point as usize]).collect();
+        let component_of_vertex = slot_of_vertex.iter().zip(&topology.point_of_vertex).map(|(&slot, &point)| {
+            if slot == NO_SLOT { topology.component_of_point[point as usize] } else { patches.component_of_slot(slot as usize) }
+        });
+        let component_of_vertex = component_of_vertex.collect();
         let mut vertices_by_slot: Vec<u32> = (0..slot_of_vertex.len() as u32).collect();
         vertices_by_slot.sort_by_key(|&vertex| slot_of_vertex[vertex as usize]);
         Self {
             components: topology.components.clone(),
             slot_of_vertex,
             vertices_by_slot,
-            component_of_vertex: topology.point_of_vertex.iter().map(|&point| topology.component_of_point[point as usize]).collect(),
+            component_of_vertex,
             masses: masses(&influences, &centred, tree.len()),
             size: in_armature.iter().map(|p| p.distance(armature_from_rest.translation)).fold(0.0, f64::max),
             motions: Motions::new(tree, skinning.skeleton.rest(), skinning.mode),

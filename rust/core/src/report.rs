@@ -7,7 +7,8 @@ pub struct Report {
     pub skinned_volumes: Vec<f64>,
     /// Per component.
     pub target_volumes: Vec<f64>,
-    /// Per component, measured on the corrected positions.
+    /// Per component, as solved: its cubic at the step that was taken, in double precision. `Mesh::component_volumes` of
+    /// positions measures it.
     pub corrected_volumes: Vec<f64>,
     /// Per component, whether the mask lets nothing of it move: it stays as skinned.
     pub component_is_pinned: Vec<bool>,

@@ -96,7 +96,7 @@ impl Fleshing {
         let (blend, rule) = (blend_of(kind)?, rule_of(rule)?);
         let influence = influence.map(|influence| arrays::numbers(influence, "influence")).transpose()?;
         let spine = Arc::clone(&spine.inner);
-        let inner = detached(py, || turgor::Fleshing::bind(spine, points, blend, rule, influence)).map_err(refused)?;
+        let inner = detached(py, || turgor::Fleshing::bind(spine, points, blend, rule, influence))?;
         Ok(Self::wrap(inner))
     }
 
@@ -108,7 +108,7 @@ impl Fleshing {
             let mut buffer = spare.unwrap_or_default();
             let result = frame(&mut buffer);
             lock().push(buffer);
-            result.map_err(refused)
+            result
         })
     }
 
@@ -149,8 +149,8 @@ impl Fleshing {
     }
 
     #[getter]
-    fn stations(&self, py: Python<'_>) -> ClosestPoints {
-        ClosestPoints { rows: detached(py, || self.inner.stations()) }
+    fn stations(&self, py: Python<'_>) -> PyResult<ClosestPoints> {
+        Ok(ClosestPoints { rows: detached(py, || Ok(self.inner.stations()))? })
     }
 
     #[getter]
@@ -160,7 +160,7 @@ impl Fleshing {
 
     fn with_kind(&self, py: Python<'_>, kind: &Bound<'_, PyAny>) -> PyResult<Self> {
         let blend = blend_of(Some(kind))?;
-        Ok(Self::wrap(detached(py, || self.inner.with_blend(blend))))
+        Ok(Self::wrap(detached(py, || Ok(self.inner.with_blend(blend)))?))
     }
 
     #[pyo3(signature = (posed_spine, *, twist=None, slide=0.0, stretch=true))]
@@ -227,7 +227,7 @@ impl Fleshing {
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let points = arrays::vectors(points, "points")?;
         let pose = PoseData::read(posed_spine, twist, slide, stretch)?;
-        let origins = detached(py, || self.inner.inverse(&pose.flesh(), &points)).map_err(refused)?;
+        let origins = detached(py, || self.inner.inverse(&pose.flesh(), &points))?;
         Ok(arrays::from_vectors(py, &origins))
     }
 
@@ -255,7 +255,7 @@ impl Fleshing {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let parameters = finite(parameters, "parameters")?;
         let pose = PoseData::read(posed_spine, None, slide, stretch)?;
-        let radii = detached(py, || self.inner.valid_radii(&pose.flesh(), &parameters)).map_err(refused)?;
+        let radii = detached(py, || self.inner.valid_radii(&pose.flesh(), &parameters))?;
         Ok(arrays::from_numbers(py, &radii))
     }
 }

@@ -1,6 +1,7 @@
 //! The Python border of `turgor`: checks arrays, views them, detaches from the interpreter, wraps results. No mathematics.
 
 mod arrays;
+mod fault;
 mod fleshing;
 mod joint;
 mod mesh;
@@ -18,10 +19,19 @@ pyo3::create_exception!(turgor, TurgorError, pyo3::exceptions::PyValueError, "Wh
 
 pyo3::create_exception!(turgor, CancelledError, pyo3::exceptions::PyException, "A progress callback returned False: nothing was changed.");
 
-/// Engine errors become `turgor.TurgorError`.
+pyo3::create_exception!(turgor, FaultError, TurgorError, "A fault of the engine itself, where and why; there is no result. Please report it.");
+
+/// Engine errors become `turgor.TurgorError`, being cancelled a `turgor.CancelledError`.
 #[allow(clippy::needless_pass_by_value, reason = "what map_err hands over")]
 fn refused(error: turgor::Error) -> PyErr {
-    TurgorError::new_err(error.to_string())
+    let text = error.to_string();
+    if error == turgor::Error::Cancelled { CancelledError::new_err(text) } else { TurgorError::new_err(text) }
+}
+
+/// Panics, for tests of what becomes of a fault.
+#[pyfunction]
+fn _fault(py: Python<'_>, message: String) -> PyResult<()> {
+    threads::detached(py, || panic!("{message}"))
 }
 
 /// The compiled engine.
@@ -30,7 +40,11 @@ mod _native {
     use pyo3::prelude::*;
 
     #[pymodule_export]
+    use super::_fault;
+    #[pymodule_export]
     use super::CancelledError;
+    #[pymodule_export]
+    use super::FaultError;
     #[pymodule_export]
     use super::TurgorError;
     #[pymodule_export]
@@ -53,6 +67,7 @@ mod _native {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         super::threads::remember_process();
+        super::fault::remember();
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

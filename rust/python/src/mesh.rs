@@ -9,7 +9,7 @@ use turgor::{Status, Target};
 
 use crate::joint::read_shares;
 use crate::threads::detached;
-use crate::{TurgorError, arrays, refused};
+use crate::{TurgorError, arrays};
 
 /// A surface at rest.
 #[pyclass(frozen, module = "turgor")]
@@ -82,7 +82,7 @@ impl Mesh {
         let rest = arrays::vectors(rest_positions, "rest_positions")?;
         let offsets = arrays::indices(face_offsets, "face_offsets")?;
         let corners = arrays::indices(face_corners, "face_corners")?;
-        let mesh = detached(py, || turgor::Mesh::new(rest, &offsets, &corners, weld_tolerance)).map_err(refused)?;
+        let mesh = detached(py, || turgor::Mesh::new(rest, &offsets, &corners, weld_tolerance))?;
         Ok(Self { inner: Arc::new(mesh) })
     }
 
@@ -116,17 +116,17 @@ impl Mesh {
 
     fn volume(&self, py: Python<'_>, positions: &Bound<'_, PyAny>) -> PyResult<f64> {
         let positions = arrays::vectors(positions, "positions")?;
-        Ok(detached(py, || self.inner.component_volumes(&positions)).map_err(refused)?.iter().sum())
+        Ok(detached(py, || self.inner.component_volumes(&positions))?.iter().sum())
     }
 
     fn component_volumes<'py>(&self, py: Python<'py>, positions: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let positions = arrays::vectors(positions, "positions")?;
-        Ok(arrays::from_numbers(py, &detached(py, || self.inner.component_volumes(&positions)).map_err(refused)?))
+        Ok(arrays::from_numbers(py, &detached(py, || self.inner.component_volumes(&positions))?))
     }
 
     fn volume_gradient<'py>(&self, py: Python<'py>, positions: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let positions = arrays::vectors(positions, "positions")?;
-        Ok(arrays::from_vectors(py, &detached(py, || self.inner.volume_gradient(&positions)).map_err(refused)?))
+        Ok(arrays::from_vectors(py, &detached(py, || self.inner.volume_gradient(&positions))?))
     }
 }
 
@@ -157,6 +157,6 @@ pub fn correct<'py>(
         targets = arrays::numbers(target_volume, "target_volume")?;
         Target::PerComponent(&targets)
     };
-    let corrected = detached(py, || mesh.inner.correct(&positions, target, &gamma, axes, shares)).map_err(refused)?;
+    let corrected = detached(py, || mesh.inner.correct(&positions, target, &gamma, axes, shares))?;
     Ok(arrays::from_vectors(py, &corrected))
 }

@@ -75,7 +75,7 @@ impl Skinning {
         let positions = arrays::vectors(positions, "positions")?;
         let pose = arrays::matrices(pose_matrices, "pose_matrices")?;
         let object = arrays::matrix(object_from_armature, "object_from_armature")?;
-        let skinned = detached(py, || self.inner.deform(&positions, &pose, &object)).map_err(refused)?;
+        let skinned = detached(py, || self.inner.deform(&positions, &pose, &object))?;
         Ok(arrays::from_vectors(py, &skinned))
     }
 }

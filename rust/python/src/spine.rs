@@ -34,7 +34,7 @@ fn normal_of(normal: Option<&Bound<'_, PyAny>>) -> PyResult<Option<DVec3>> {
 
 impl Spine {
     fn wrap(py: Python<'_>, make: impl FnOnce() -> turgor::Result<turgor::Spine> + Send) -> PyResult<Self> {
-        Ok(Self { inner: Arc::new(detached(py, make).map_err(refused)?) })
+        Ok(Self { inner: Arc::new(detached(py, make)?) })
     }
 }
 
@@ -174,8 +174,8 @@ impl Spine {
     }
 
     #[getter]
-    fn deviation(&self, py: Python<'_>) -> f64 {
-        detached(py, || self.inner.deviation())
+    fn deviation(&self, py: Python<'_>) -> PyResult<f64> {
+        detached(py, || Ok(self.inner.deviation()))
     }
 
     #[getter]
@@ -206,7 +206,7 @@ impl Spine {
 
     fn closest(&self, py: Python<'_>, points: &Bound<'_, PyAny>) -> PyResult<ClosestPoints> {
         let points = arrays::vectors(points, "points")?;
-        Ok(ClosestPoints { rows: detached(py, || self.inner.closest(&points)).map_err(refused)? })
+        Ok(ClosestPoints { rows: detached(py, || self.inner.closest(&points))? })
     }
 }
 

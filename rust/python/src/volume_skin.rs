@@ -47,7 +47,7 @@ impl VolumeSkin {
             let mut workspace = self.workspaces.take(&self.inner);
             let result = compute(&mut workspace);
             self.workspaces.give_back(workspace);
-            result.map_err(refused)
+            result
         })
     }
 
@@ -86,8 +86,7 @@ impl VolumeSkin {
         let joints = joint_settings(joints);
         let mesh = Arc::clone(&mesh.inner);
         let inner =
-            detached(py, || turgor::VolumeSkin::bind(mesh.topology(), mesh.rest(), &skinning.inner, &joints, options, &deltas, &object))
-                .map_err(refused)?;
+            detached(py, || turgor::VolumeSkin::bind(mesh.topology(), mesh.rest(), &skinning.inner, &joints, options, &deltas, &object))?;
         Ok(Self::wrap(inner, mesh))
     }
 
@@ -126,14 +125,14 @@ impl VolumeSkin {
             keep_bone_scale: keep_bone_scale.unwrap_or(bound.keep_bone_scale),
         };
         let joints = joint_settings(joints);
-        let inner = detached(py, || self.inner.with_joints(&joints, options)).map_err(refused)?;
+        let inner = detached(py, || self.inner.with_joints(&joints, options))?;
         Ok(Self::wrap(inner, Arc::clone(&self.mesh)))
     }
 
     #[pyo3(signature = (mask))]
     fn with_mask(&self, py: Python<'_>, mask: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let mask = mask.map(|mask| arrays::floats(mask, "mask")).transpose()?;
-        let inner = detached(py, || self.inner.with_mask(mask.as_deref())).map_err(refused)?;
+        let inner = detached(py, || self.inner.with_mask(mask.as_deref()))?;
         Ok(Self { inner, mesh: Arc::clone(&self.mesh), workspaces: Arc::clone(&self.workspaces) })
     }
 
@@ -275,7 +274,7 @@ impl VolumeSkin {
         target_scale: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Measures> {
         let poses = PosesData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale)?;
-        let reports = detached(py, || self.inner.measure(&poses.poses(), &self.workspaces)).map_err(refused)?;
+        let reports = detached(py, || self.inner.measure(&poses.poses(), &self.workspaces))?;
         let component_count = self.mesh.topology().components.len();
         Ok(Measures { reports, component_count, joint_count: self.inner.joint_bones().len() })
     }
@@ -303,7 +302,7 @@ impl VolumeSkin {
             pose.added_offsets = added_offsets.as_deref();
             pose.is_fleshed = fleshed.as_deref();
         }
-        let inner = detached(py, || self.inner.refinement_need(&poses, &self.workspaces)).map_err(refused)?;
+        let inner = detached(py, || self.inner.refinement_need(&poses, &self.workspaces))?;
         Ok(RefinementNeed { inner })
     }
 
@@ -335,7 +334,7 @@ impl VolumeSkin {
         let positions = arrays::frames(py, positions, "positions", (poses.len(), self.mesh.rest().len()))?;
         let write = || {
             arrays::with_frames_mut(&positions, "positions", |rows| {
-                detached(py, || self.inner.deform_many(&poses, &effects, rows, &self.workspaces)).map_err(refused)
+                detached(py, || self.inner.deform_many(&poses, &effects, rows, &self.workspaces))
             })
         };
         match fold_counts {

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use turgor::{Bones, Error, Plane, Surface, Symmetry, WeightRows, WeightSettings};
 
 use crate::threads::detached;
-use crate::{CancelledError, TurgorError, arrays, refused};
+use crate::{TurgorError, arrays, refused};
 
 /// Weights of all meshes, and how they were found.
 #[pyclass(frozen, module = "turgor")]
@@ -167,8 +167,7 @@ pub fn automatic_weights(
     if let Some(error) = raised {
         return Err(error);
     }
-    let inner =
-        result.map_err(|error| if error == Error::Cancelled { CancelledError::new_err(error.to_string()) } else { refused(error) })?;
+    let inner = result?;
     let mut vertex_starts = vec![0];
     for mesh in &meshes {
         vertex_starts.push(vertex_starts[vertex_starts.len() - 1] + mesh.positions.len() as i32);

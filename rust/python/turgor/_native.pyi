@@ -15,6 +15,9 @@ Match = Literal["stations", "relative_length", "length"]
 class TurgorError(ValueError):
     """What was found, what is needed, what to do."""
 
+class FaultError(TurgorError):
+    """A fault of the engine itself, where and why; there is no result. Please report it."""
+
 class CancelledError(Exception):
     """A progress callback returned False: nothing was changed."""
 
@@ -416,7 +419,10 @@ class Report:
         """(K,)"""
     @property
     def corrected_volumes(self) -> NDArray[np.float64]:
-        """(K,) measured on the corrected f64 positions."""
+        """(K,) as solved: the volume's cubic at the step that was taken, about 1e-12 of the volume from what `positions` have.
+
+        To measure it apart from the solver: `Mesh.component_volumes(frame.positions)`.
+        """
     @property
     def joint_losses(self) -> NDArray[np.float64]:
         """(J,) volume each joint's rotation took, all components, positive = lost."""

@@ -54,7 +54,8 @@ impl Flow<'_> {
 
     #[inline(always)]
     fn run_task<S: Simd>(&self, simd: S, first: usize, blocks: &mut [Block]) {
-        let mut loaded = (self.bound.cells[first][0], CellAt::splat(simd, &self.cells[self.bound.cells[first][0] as usize]));
+        // Any cell that the posed spine has; bound ones are those of the rest spine.
+        let mut loaded = (0, CellAt::splat(simd, &self.cells[0]));
         let mut hint = self.cells.len() / 2;
         for (i, block) in blocks.iter_mut().enumerate() {
             let target = self.target(simd, first + i, &mut hint);
