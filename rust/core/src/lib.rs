@@ -47,7 +47,7 @@ mod weights;
 mod weld;
 mod workspaces;
 
-pub use error::{Error, Result};
+pub use error::{Error, Result, check_numbers};
 pub use frame::{JointField, Pose, RefinementNeed, Workspace};
 pub use joint::{Joint, Profiles, Shares};
 pub use mesh::{Mesh, Target};

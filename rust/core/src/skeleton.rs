@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::{DAffine3, DMat4, DVec3};
 
 use crate::csr::Csr;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check_matrices};
 use crate::skinning::{Influences, affine};
 
 /// Shorter than this part of the mesh's size is no direction.
@@ -22,7 +22,7 @@ impl Skeleton {
     /// `parents`: index or -1 per bone, in any order; `rest_matrices`: armature space.
     ///
     /// # Errors
-    /// Lengths that differ, parents out of range or in a cycle, matrices that are not finite, more than 65,000 bones.
+    /// Lengths that differ, parents out of range or in a cycle, matrices that are not finite, or too large, more than 32,000 bones.
     pub fn new(parents: &[i32], rest_matrices: &[DMat4]) -> Result<Self> {
         if parents.len() != rest_matrices.len() {
             return Err(Error::Length { what: "rest_matrices", found: rest_matrices.len(), needed: parents.len() });
@@ -30,9 +30,7 @@ impl Skeleton {
         if parents.len() > 32_000 {
             return Err(Error::Value { what: "number of bones", found: parents.len() as f64, needed: "at most 32000" });
         }
-        if let Some(row) = rest_matrices.iter().position(|m| !m.is_finite()) {
-            return Err(Error::NotFinite { what: "rest_matrices", row });
-        }
+        check_matrices("rest_matrices", rest_matrices)?;
         if let Some(row) = parents.iter().position(|&p| p < -1 || p >= parents.len() as i32) {
             return Err(Error::Index { what: "parents", row, found: i64::from(parents[row]), limit: parents.len() });
         }

@@ -210,13 +210,11 @@ impl Spine {
     }
 }
 
-/// Numbers that are all finite.
+/// Numbers that are all finite, and not too large.
 pub fn finite(value: &Bound<'_, PyAny>, what: &'static str) -> PyResult<Vec<f64>> {
     let numbers = arrays::numbers(value, what)?;
-    match numbers.iter().position(|x| !x.is_finite()) {
-        Some(row) => Err(refused(turgor::Error::NotFinite { what, row })),
-        None => Ok(numbers),
-    }
+    turgor::check_numbers(what, &numbers).map_err(refused)?;
+    Ok(numbers)
 }
 
 /// Points of a spine with their frames.

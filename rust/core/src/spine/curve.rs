@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::error::{Error, Result, check_finite};
+use crate::error::{Error, Result, SMALLEST, check_finite, check_numbers};
 use crate::spine::arc_length::ArcLength;
 use crate::spine::b_spline::{BSpline, KnotFlags};
 use crate::spine::cells::{Cells, Station};
@@ -201,8 +201,10 @@ impl Spine {
         let Bare { breaks, pieces, first_piece } = bare;
         let tangent = pieces[first_piece].0[1].normalize_or(DVec3::X);
         let normal = match normal {
-            Some(normal) if normal.is_finite() => across(normal, tangent),
-            Some(_) => return Err(Error::NotFinite { what: "normal", row: 0 }),
+            Some(normal) => {
+                check_finite("normal", &[normal])?;
+                across(normal, tangent)
+            }
             None => any_across(tangent),
         };
         if let Some(row) = pieces.iter().position(|piece| piece.0.iter().any(|c| !c.is_finite())) {
@@ -410,10 +412,13 @@ fn parameters_of(points: &[DVec3], parameters: Parameters) -> Result<Vec<f64>> {
         Parameters::Centripetal => steps(f64::sqrt),
         Parameters::Given(given) => {
             check_length("parameters", given.len(), points.len())?;
+            check_numbers("parameters", given)?;
             given.to_vec()
         }
     };
-    match made.windows(2).position(|w| !(w[1] > w[0] && w[1].is_finite() && w[0].is_finite())) {
+    // Lengths of steps are as uneven as the points; given ones may be no steeper than numbers are large.
+    let least = if matches!(parameters, Parameters::Given(_)) { SMALLEST } else { 0.0 };
+    match made.windows(2).position(|w| !(w[1] > w[0] && w[1] - w[0] >= least)) {
         Some(row) => Err(Error::Parameters { row: row + 1 }),
         None => Ok(made),
     }
@@ -423,6 +428,9 @@ fn check_points(what: &'static str, points: &[DVec3]) -> Result<()> {
     check_count(what, points.len())?;
     check_finite(what, points)?;
     let size = points.iter().fold(0.0, |size: f64, p| size.max(p.distance(points[0])));
+    if size < SMALLEST {
+        return Err(if size == 0.0 { Error::Coincident { row: 1 } } else { Error::TooSmall { what, found: size } });
+    }
     match points.windows(2).position(|w| w[0].distance(w[1]) <= size * f64::EPSILON) {
         Some(row) => Err(Error::Coincident { row: row + 1 }),
         None => Ok(()),
