@@ -179,6 +179,11 @@ pub fn indices(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<i32>> {
     numbers.iter().enumerate().map(whole).collect()
 }
 
+/// A number of things.
+pub fn count(value: i64, what: &str) -> PyResult<usize> {
+    usize::try_from(value).map_err(|_| TurgorError::new_err(format!("{what}: need a whole number of 0 or more, got {value}")))
+}
+
 pub fn flags(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<bool>> {
     read(value, what, "bool", "(N,)", |shape| shape.len() == 1)
 }

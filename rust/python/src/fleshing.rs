@@ -194,14 +194,16 @@ impl Fleshing {
     fn deform_into_address(
         &self,
         py: Python<'_>,
-        offsets_address: usize,
-        point_count: usize,
+        offsets_address: i64,
+        point_count: i64,
         posed_spine: &Spine,
         twist: Option<&Bound<'_, PyAny>>,
         slide: f64,
         stretch: bool,
     ) -> PyResult<FleshingReport> {
         let pose = PoseData::read(posed_spine, twist, slide, stretch)?;
+        let (offsets_address, point_count) =
+            (arrays::count(offsets_address, "offsets_address")?, arrays::count(point_count, "point_count")?);
         if point_count == 0 {
             return self.write(py, &pose, &mut []);
         }
