@@ -179,6 +179,11 @@ pub fn indices(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<i32>> {
     numbers.iter().enumerate().map(whole).collect()
 }
 
+/// One number, not an array of one.
+pub fn number(value: &Bound<'_, PyAny>) -> Option<f64> {
+    if value.len().is_ok() { None } else { value.extract().ok() }
+}
+
 /// A number of things.
 pub fn count(value: i64, what: &str) -> PyResult<usize> {
     usize::try_from(value).map_err(|_| TurgorError::new_err(format!("{what}: need a whole number of 0 or more, got {value}")))

@@ -35,9 +35,9 @@ impl PoseData {
     fn read(spine: &Spine, twist: Option<&Bound<'_, PyAny>>, slide: f64, stretch: bool) -> PyResult<Self> {
         let twist = match twist {
             None => TwistData::Ends([0.0; 2]),
-            Some(twist) => match twist.extract::<f64>() {
-                Ok(angle) => TwistData::Ends([0.0, angle]),
-                Err(_) => match *arrays::numbers(twist, "twist")? {
+            Some(twist) => match arrays::number(twist) {
+                Some(angle) => TwistData::Ends([0.0, angle]),
+                None => match *arrays::numbers(twist, "twist")? {
                     [start, end] => TwistData::Ends([start, end]),
                     ref angles => TwistData::Stations(angles.to_vec()),
                 },
