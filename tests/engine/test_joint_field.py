@@ -193,7 +193,7 @@ def test_folded_profiles_that_are_none():
         turgor.Joint(0, folded_profiles=CURVES)
     with pytest.raises(turgor.TurgorError, match="profile: found 1 values, need 2"):
         turgor.Joint(0, profiles=CURVES, folded_profiles=([1.0], *CURVES[1:]))
-    with pytest.raises(turgor.TurgorError, match="folded_loss_relative is 0, need a number above 0"):
+    with pytest.raises(turgor.TurgorError, match="folded_loss_relative is 0, need a number from 1e-12 to 1e12"):
         turgor.Joint(0, profiles=CURVES, folded_profiles=CURVES, folded_loss_relative=0.0)
 
 

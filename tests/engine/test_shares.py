@@ -104,7 +104,7 @@ def test_shares_come_back_normalised(shares, kept):
     ("shares", "message"),
     [
         ((0.0, 0.0, 0.0, 0.0), "sum of shares is 0, need at least one share above 0"),
-        ((0.0, 0.0, 1.0, -0.5), "shares is -0.5, need numbers of 0 or more"),
+        ((0.0, 0.0, 1.0, -0.5), "shares is -0.5, need numbers from 0 to 1e15"),
         ((1.0, 2.0), 'shares: need "auto", three numbers or four'),
         ((1.0, 2.0, 3.0, 4.0, 5.0), 'shares: need "auto", three numbers or four'),
         ((1.0, 1.0, 1.0, np.nan), "shares is NaN"),

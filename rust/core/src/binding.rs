@@ -44,6 +44,9 @@ pub(crate) struct Binding {
     pub masses: Vec<(f64, DVec3)>,
     /// Largest distance from the centre, armature space.
     pub size: f64,
+    /// The same of the rest mesh, and per shape key the longest displacement, rest space.
+    radius: f64,
+    shape_radii: Vec<f64>,
     pub bone_count: usize,
     /// Points of no sound component, with each of their vertices, in order.
     pub unsound: Vec<(u32, u32)>,
@@ -101,6 +104,8 @@ impl Binding {
             size: in_armature.iter().map(|p| p.distance(armature_from_rest.translation)).fold(0.0, f64::max),
             motions: Motions::new(tree, skinning.skeleton.rest(), skinning.mode),
             shape_deltas: deltas_of_sites,
+            radius: centred.iter().map(|p| p.length()).fold(0.0, f64::max),
+            shape_radii: shape_deltas.iter().map(|deltas| deltas.iter().map(|d| d.length()).fold(0.0, f64::max)).collect(),
             bone_count: skinning.skeleton.len(),
             unsound: unsound(topology, &patches),
             given_faces: Arc::clone(&topology.given_faces),
@@ -156,6 +161,11 @@ impl Binding {
             points[twins[0].0 as usize] = sum / twins.len() as f64;
         }
         points
+    }
+
+    /// No rest position with shape keys mixed in is farther from the centre.
+    pub fn radius_with(&self, shape_values: &[f64]) -> f64 {
+        self.radius + shape_values.iter().zip(&self.shape_radii).map(|(value, radius)| value.abs() * radius).sum::<f64>()
     }
 
     /// Rest position per site with shape keys mixed in.

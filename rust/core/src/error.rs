@@ -8,6 +8,14 @@ pub enum Error {
     Length { what: &'static str, found: usize, needed: usize },
     #[error("{what}: row {row} is not finite: remove NaN and infinity")]
     NotFinite { what: &'static str, row: usize },
+    #[error("{what}: row {row} holds {found:e}, need numbers up to {LARGEST:e} in size: scale everything down")]
+    TooLarge { what: &'static str, row: usize, found: f64 },
+    #[error("{what}: all of it is within {found:e}, need a size of {SMALLEST:e} or more: scale it up")]
+    TooSmall { what: &'static str, found: f64 },
+    #[error("bone {bone} takes the mesh as far as {reach:e}, need places up to {LARGEST:e}: lower the scale or the distance of the bone or the object")]
+    TooFar { bone: usize, reach: f64 },
+    #[error("{what}: the result is beyond all numbers: bring what goes in to usual sizes")]
+    Beyond { what: &'static str },
     #[error("{what}: entry {row} is {found}, need an index below {limit}")]
     Index { what: &'static str, row: usize, found: i64, limit: usize },
     #[error("{what}: entry {row} is smaller than the one before: need offsets that never fall, starting at 0")]
@@ -48,19 +56,54 @@ pub enum Error {
     StationCount { found: usize, bound: usize },
     #[error("no bone to give weights to: pass at least one that is not locked")]
     NoFreeBone,
+    #[error("resolution {resolution} makes more voxels than fit into memory: need a lower one, or surfaces that are less folded up")]
+    TooManyVoxels { resolution: usize },
+    #[error("weights of {points} points on {bones} bones do not fit into memory: give weights to fewer meshes or bones at a time")]
+    TooManyWeights { points: usize, bones: usize },
     #[error("cancelled: nothing was changed")]
     Cancelled,
 }
 
+/// Coordinates, lengths and elements of matrices are no larger: volumes, and squares of what leaves in single precision, are
+/// numbers still.
+pub const LARGEST: f64 = 1e15;
+/// What has to have a size has at least this one: its inverse cubed is a number still.
+pub(crate) const SMALLEST: f64 = 1e-30;
+
 /// Result of a call that checks its input.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Refuses arrays with rows that are not finite.
+/// Refuses arrays with rows that are not finite, or too large.
 pub(crate) fn check_finite(what: &'static str, rows: &[glam::DVec3]) -> Result<()> {
-    match rows.iter().position(|p| !p.is_finite()) {
-        Some(row) => Err(Error::NotFinite { what, row }),
+    match rows.iter().position(|p| !p.abs().cmple(glam::DVec3::splat(LARGEST)).all()) {
+        Some(row) => refuse(what, row, &rows[row].to_array()),
         None => Ok(()),
     }
+}
+
+/// The same of matrices.
+pub(crate) fn check_matrices(what: &'static str, matrices: &[glam::DMat4]) -> Result<()> {
+    let is_sound = |m: &glam::DMat4| m.to_cols_array().iter().all(|x| x.abs() <= LARGEST);
+    match matrices.iter().position(|m| !is_sound(m)) {
+        Some(row) => refuse(what, row, &matrices[row].to_cols_array()),
+        None => Ok(()),
+    }
+}
+
+/// The same of numbers.
+pub fn check_numbers(what: &'static str, numbers: &[f64]) -> Result<()> {
+    match numbers.iter().position(|x| !(x.abs() <= LARGEST)) {
+        Some(row) => refuse(what, row, &numbers[row..=row]),
+        None => Ok(()),
+    }
+}
+
+fn refuse(what: &'static str, row: usize, numbers: &[f64]) -> Result<()> {
+    if numbers.iter().all(|x| x.is_finite()) {
+        let found = numbers.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        return Err(Error::TooLarge { what, row, found });
+    }
+    Err(Error::NotFinite { what, row })
 }
 
 /// Refuses CSR offsets that do not start at 0, fall, or end elsewhere than at `end`.

@@ -1,7 +1,21 @@
 //! Settings of one joint, as the artist gives them.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, LARGEST, Result};
 use crate::profile::Profile;
+
+/// Sizes, and losses that reach folded profiles: far beyond all use, and numbers in single precision still.
+const SIZES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
+const LOSSES: std::ops::RangeInclusive<f64> = 1e-12..=1e12;
+/// Largest factor on what is given back: a thousandfold extent.
+pub(crate) const FACTOR_MAX: f64 = 1e9;
+
+/// Refuses strengths that are negative, too large or no numbers.
+pub(crate) fn check_strengths(what: &'static str, strengths: &[f64]) -> Result<()> {
+    match strengths.iter().find(|s| !(0.0..=FACTOR_MAX).contains(*s)) {
+        Some(&found) => Err(Error::Value { what, found, needed: "numbers from 0 to 1e9" }),
+        None => Ok(()),
+    }
+}
 
 /// How the volume to add is shared: parts of a whole.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,8 +39,8 @@ impl Shares {
     fn checked(self) -> Result<Self> {
         let Self { axes: [along, sideways, inside], automatic } = self;
         let parts = [along, sideways, inside, automatic];
-        if let Some(&found) = parts.iter().find(|s| !(**s >= 0.0 && s.is_finite())) {
-            return Err(Error::Value { what: "shares", found, needed: "numbers of 0 or more" });
+        if let Some(&found) = parts.iter().find(|s| !(**s >= 0.0 && **s <= LARGEST)) {
+            return Err(Error::Value { what: "shares", found, needed: "numbers from 0 to 1e15" });
         }
         let sum: f64 = parts.iter().sum();
         if sum <= 0.0 {
@@ -83,19 +97,17 @@ impl Joint {
     /// Checks what can be checked without a mesh; shares are normalised to sum 1.
     ///
     /// # Errors
-    /// Strength below 0, size not above 0, shares negative or all 0, values that are not finite.
+    /// Strength, size or shares out of range, shares that are all 0.
     pub fn checked(mut self) -> Result<Self> {
-        if !(self.strength >= 0.0 && self.strength.is_finite()) {
-            return Err(Error::Value { what: "strength", found: self.strength, needed: "a number of 0 or more" });
-        }
-        if !(self.size > 0.0 && self.size.is_finite()) {
-            return Err(Error::Value { what: "size", found: self.size, needed: "a number above 0" });
+        check_strengths("strength", &[self.strength])?;
+        if !SIZES.contains(&self.size) {
+            return Err(Error::Value { what: "size", found: self.size, needed: "a number from 1e-6 to 1e6" });
         }
         self.shares = self.shares.checked()?;
         if let Some(Profiles { folded: Some((_, loss)), .. }) = &self.profiles
-            && !(*loss > 0.0 && loss.is_finite())
+            && !LOSSES.contains(loss)
         {
-            return Err(Error::Value { what: "folded_loss_relative", found: *loss, needed: "a number above 0" });
+            return Err(Error::Value { what: "folded_loss_relative", found: *loss, needed: "a number from 1e-12 to 1e12" });
         }
         Ok(self)
     }

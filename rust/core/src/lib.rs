@@ -22,6 +22,7 @@ mod many_poses;
 mod mask;
 mod mesh;
 mod motions;
+mod nearness;
 mod patches;
 mod profile;
 mod repair;
@@ -46,7 +47,7 @@ mod weights;
 mod weld;
 mod workspaces;
 
-pub use error::{Error, Result};
+pub use error::{Error, Result, check_numbers};
 pub use frame::{JointField, Pose, RefinementNeed, Workspace};
 pub use joint::{Joint, Profiles, Shares};
 pub use mesh::{Mesh, Target};

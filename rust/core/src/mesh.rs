@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::error::{Error, Result, check_finite};
+use crate::error::{Error, LARGEST, Result, check_finite};
 use crate::joint::Shares;
 use crate::surface;
 use crate::topology::Topology;
@@ -82,8 +82,8 @@ impl Mesh {
         if gamma.len() != positions.len() {
             return Err(Error::Length { what: "gamma", found: gamma.len(), needed: positions.len() });
         }
-        if let Some(&found) = gamma.iter().find(|g| !(**g >= 0.0 && g.is_finite())) {
-            return Err(Error::Value { what: "gamma", found, needed: "numbers of 0 or more" });
+        if let Some(&found) = gamma.iter().find(|g| !(**g >= 0.0 && **g <= LARGEST)) {
+            return Err(Error::Value { what: "gamma", found, needed: "numbers from 0 to 1e15" });
         }
         let start = self.centred_points(positions)?;
         let gamma: Vec<f64> = self
@@ -102,7 +102,8 @@ impl Mesh {
             }
         }
         let moved = self.topology.point_of_vertex.iter().map(|&p| solve.points[p as usize] - start[p as usize]);
-        Ok(positions.iter().zip(moved).map(|(&p, u)| p + u).collect())
+        let corrected: Vec<DVec3> = positions.iter().zip(moved).map(|(&p, u)| p + u).collect();
+        if corrected.iter().all(|p| p.is_finite()) { Ok(corrected) } else { Err(Error::Beyond { what: "target_volume" }) }
     }
 
     /// Points about their mean: sums about it keep their digits far from the origin.
@@ -191,18 +192,21 @@ impl<'a> Solve<'a> {
             })
             .collect();
         let cubics = surface::cubics(&self.mesh.topology, &self.points, &field);
+        let mut steps = vec![None; changes.len()];
         for (component, (cubic, &change)) in cubics.iter().zip(changes).enumerate() {
             if change == 0.0 {
                 continue;
             }
             let target = self.volumes[component] + change;
-            let Some(step) = cubic.root_nearest_zero(target) else {
+            steps[component] = cubic.root_nearest_zero(target);
+            if steps[component].is_none() {
                 return Err(Error::NothingToMove { component, volume: change });
-            };
-            for (point, p) in self.points.iter_mut().enumerate() {
-                if self.mesh.topology.component_of_point[point] as usize == component {
-                    *p += field[point] * step;
-                }
+            }
+        }
+        for (point, p) in self.points.iter_mut().enumerate() {
+            let component = self.mesh.topology.component_of_point[point] as usize;
+            if let Some(&Some(step)) = steps.get(component) {
+                *p += field[point] * step;
             }
         }
         Ok(())

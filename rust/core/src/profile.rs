@@ -2,6 +2,9 @@
 
 use crate::error::{Error, Result};
 
+/// Largest height: products of three are numbers in single precision still.
+const HEIGHT_MAX: f64 = 1e6;
+
 /// A curve over x in [-1, 1] of a joint's length, zero outside, from evenly spaced samples joined by straight lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
@@ -15,13 +18,16 @@ impl Profile {
     /// At least two samples; values below 0 count as 0.
     ///
     /// # Errors
-    /// Fewer than two samples, or samples that are not finite.
+    /// Fewer than two samples, or samples that are not finite, or above 1e6.
     pub fn new(samples: &[f64]) -> Result<Self> {
         if samples.len() < 2 {
             return Err(Error::Length { what: "profile", found: samples.len(), needed: 2 });
         }
         if let Some(row) = samples.iter().position(|s| !s.is_finite()) {
             return Err(Error::NotFinite { what: "profile", row });
+        }
+        if let Some(&found) = samples.iter().find(|s| **s > HEIGHT_MAX) {
+            return Err(Error::Value { what: "profile", found, needed: "heights up to 1e6" });
         }
         Ok(Self::of(samples.iter().map(|s| s.max(0.0)).collect()))
     }

@@ -2,6 +2,7 @@
 //!
 //! Sites lie in the order of slots, so that a patch skins neighbours in memory.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use glam::DVec3;
@@ -33,12 +34,13 @@ impl Sites {
             topology.point_of_vertex.iter().zip(0..).map(|(&point, vertex)| (patches.slot_of_point[point as usize], vertex)).collect();
         let in_slots: Vec<(u32, u32)> = slots.iter().copied().filter(|(slot, _)| *slot != NO_SLOT).collect();
         let vertices_of_slot = Csr::from_pairs(patches.slot_count(), &in_slots);
-        let alike = |a: u32, b: u32| {
-            let (a, b) = (a as usize, b as usize);
-            rest[a] == rest[b]
-                && of_vertex.of(a) == of_vertex.of(b)
-                && of_vertex.mask(a) == of_vertex.mask(b)
-                && shape_deltas.iter().all(|d| d[a] == d[b])
+        // All that tells twins apart; -0 is 0.
+        let key_of = |vertex: u32| {
+            let vertex = vertex as usize;
+            let (bones, weights) = of_vertex.of(vertex);
+            let places = std::iter::once(rest[vertex]).chain(shape_deltas.iter().map(|deltas| deltas[vertex]));
+            let numbers = places.flat_map(|p| p.to_array()).chain([of_vertex.mask(vertex)]).chain(weights.iter().copied());
+            numbers.map(|x| (x + 0.0).to_bits()).chain(bones.iter().map(|&bone| u64::from(bone))).collect::<Vec<u64>>()
         };
         let mut result = Self {
             influences: Influences { offsets: vec![0], bones: Vec::new(), weights: Vec::new(), mask: Vec::new() },
@@ -51,11 +53,15 @@ impl Sites {
         for twins in vertices_of_slot.rows() {
             let first = result.rest.len();
             let mut leaders: Vec<(u32, f64)> = Vec::new();
+            let mut place_of_key: HashMap<Vec<u64>, usize> = HashMap::new();
             for &vertex in twins {
-                let place = leaders.iter().position(|(leader, _)| alike(*leader, vertex)).unwrap_or_else(|| {
+                let mut place = leaders.len();
+                if twins.len() > 1 {
+                    place = *place_of_key.entry(key_of(vertex)).or_insert(place);
+                }
+                if place == leaders.len() {
                     leaders.push((vertex, 0.0));
-                    leaders.len() - 1
-                });
+                }
                 leaders[place].1 += 1.0;
                 result.site_of_vertex[vertex as usize] = (first + place) as u32;
             }

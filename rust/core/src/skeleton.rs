@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::{DAffine3, DMat4, DVec3};
 
 use crate::csr::Csr;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check_matrices};
 use crate::skinning::{Influences, affine};
 
 /// Shorter than this part of the mesh's size is no direction.
@@ -22,7 +22,7 @@ impl Skeleton {
     /// `parents`: index or -1 per bone, in any order; `rest_matrices`: armature space.
     ///
     /// # Errors
-    /// Lengths that differ, parents out of range or in a cycle, matrices that are not finite, more than 32,000 bones.
+    /// Lengths that differ, parents out of range or in a cycle, matrices that are not finite, or too large, more than 32,000 bones.
     pub fn new(parents: &[i32], rest_matrices: &[DMat4]) -> Result<Self> {
         if parents.len() != rest_matrices.len() {
             return Err(Error::Length { what: "rest_matrices", found: rest_matrices.len(), needed: parents.len() });
@@ -30,21 +30,21 @@ impl Skeleton {
         if parents.len() > 32_000 {
             return Err(Error::Value { what: "number of bones", found: parents.len() as f64, needed: "at most 32000" });
         }
-        if let Some(row) = rest_matrices.iter().position(|m| !m.is_finite()) {
-            return Err(Error::NotFinite { what: "rest_matrices", row });
-        }
+        check_matrices("rest_matrices", rest_matrices)?;
         if let Some(row) = parents.iter().position(|&p| p < -1 || p >= parents.len() as i32) {
             return Err(Error::Index { what: "parents", row, found: i64::from(parents[row]), limit: parents.len() });
         }
         let parents: Vec<Option<u32>> = parents.iter().map(|&p| u32::try_from(p).ok()).collect();
-        // A chain longer than there are bones comes back to itself.
-        for bone in 0..parents.len() {
-            let mut ancestor = Some(bone as u32);
-            for _ in 0..=parents.len() {
-                ancestor = ancestor.and_then(|a| parents[a as usize]);
+        // Per bone, the last one from which a walk upwards came by: one that comes back to itself never ends.
+        let mut walked = vec![u32::MAX; parents.len()];
+        for bone in 0..parents.len() as u32 {
+            let mut next = Some(bone);
+            while let Some(ancestor) = next.filter(|&a| walked[a as usize] == u32::MAX) {
+                walked[ancestor as usize] = bone;
+                next = parents[ancestor as usize];
             }
-            if ancestor.is_some() {
-                return Err(Error::Cycle { bone });
+            if next.is_some_and(|met| walked[met as usize] == bone) {
+                return Err(Error::Cycle { bone: bone as usize });
             }
         }
         Ok(Self { parents, rest: rest_matrices.iter().map(affine).collect() })
@@ -159,6 +159,7 @@ impl JointTree {
                 below[parent] += below[joint];
             }
         }
+        let children = self.children();
         for joint in 0..self.len() {
             let head = self.heads[joint];
             let mut above = self.parent(joint);
@@ -170,7 +171,7 @@ impl JointTree {
             self.along_parent.push(along);
             let mut reach = DVec3::ZERO;
             let mut mass = 0.0;
-            for child in (joint + 1..self.ends[joint] as usize).filter(|&c| self.parent(c) == Some(joint)) {
+            for &child in &children[joint] {
                 reach += (self.heads[child] - head) * below[child];
                 mass += below[child];
             }
@@ -252,14 +253,15 @@ fn weighted_parents(
     if roots.len() < 2 {
         return (parents, is_hung);
     }
-    let root_of = |parents: &[Option<u32>], bone: u32| std::iter::successors(Some(bone), |&b| parents[b as usize]).last().unwrap_or(bone);
+    let top = |bone: u32| std::iter::successors(Some(bone), |&b| parents[b as usize]).last().unwrap_or(bone);
+    let mut root_of: Vec<u32> = (0..skeleton.len() as u32).map(top).collect();
     let mut shared: BTreeMap<(u32, u32), Shared> = BTreeMap::new();
     for (vertex, (&p, area)) in rest.iter().zip(areas).enumerate() {
         let (bones, weights) = influences.of(vertex);
         for (&a, &of_a) in bones.iter().zip(weights) {
             for (&b, &of_b) in bones.iter().zip(weights) {
                 let apart = usize::from(a) != skeleton.len() && usize::from(b) != skeleton.len();
-                if apart && root_of(&parents, u32::from(a)) != root_of(&parents, u32::from(b)) {
+                if apart && root_of[usize::from(a)] != root_of[usize::from(b)] {
                     let sum = shared.entry((u32::from(a), u32::from(b))).or_default();
                     let amount = of_a * of_b * area;
                     *sum = (sum.0 + amount, sum.1 + p * amount);
@@ -274,7 +276,7 @@ fn weighted_parents(
     for _ in 1..roots.len() {
         let joined = |by_own_skin: bool| {
             pairs.iter().find_map(|&((a, b), (amount, moment))| {
-                let (root_a, root_b) = (root_of(&parents, a), root_of(&parents, b));
+                let (root_a, root_b) = (root_of[a as usize], root_of[b as usize]);
                 let distance = |bone: u32| skeleton.head(bone).distance_squared(moment / amount);
                 let is_nearer = distance(root_a) <= distance(root_b);
                 let hangs = if by_own_skin { a == root_a && (b != root_b || is_nearer) } else { is_nearer };
@@ -282,6 +284,10 @@ fn weighted_parents(
             })
         };
         let Some((root, onto)) = joined(true).or_else(|| joined(false)) else { break };
+        let top = root_of[onto as usize];
+        root_of.iter_mut().filter(|of| **of == root).for_each(|of| *of = top);
+        // What is of one tree stays of one.
+        pairs.retain(|&((a, b), _)| root_of[a as usize] != root_of[b as usize]);
         parents[root as usize] = Some(onto);
         is_hung[root as usize] = true;
     }

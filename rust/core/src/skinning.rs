@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DMat4, DVec3};
 use rayon::prelude::*;
 
 use crate::dual_quaternion::{Blend, DualQuaternion};
-use crate::error::{Error, Result, check_finite, check_indices, check_offsets};
+use crate::error::{Error, Result, check_finite, check_indices, check_matrices, check_numbers, check_offsets};
 use crate::lanes::{self, V4, add_scaled, sub, transform};
 use crate::skeleton::Skeleton;
 
@@ -152,15 +152,13 @@ impl Skinning {
         palette.set(channels.len(), &DAffine3::IDENTITY, &DAffine3::IDENTITY, None);
         let skin =
             |(vertex, &p): (usize, &DVec3)| object.transform_point3(lanes::to(palette.skin(&self.influences, vertex, lanes::from(p))));
-        let result = positions.par_iter().enumerate().with_min_len(CHUNK).map(skin).collect();
-        Ok(result)
+        let result: Vec<DVec3> = positions.par_iter().enumerate().with_min_len(CHUNK).map(skin).collect();
+        if result.iter().all(|p| p.is_finite()) { Ok(result) } else { Err(Error::Beyond { what: "positions" }) }
     }
 }
 
 pub(crate) fn check_weights(what: &'static str, weights: &[f64]) -> Result<()> {
-    if let Some(row) = weights.iter().position(|w| !w.is_finite()) {
-        return Err(Error::NotFinite { what, row });
-    }
+    check_numbers(what, weights)?;
     match weights.iter().find(|&&w| w < 0.0) {
         Some(&found) => Err(Error::Value { what, found, needed: "weights of 0 or more" }),
         None => Ok(()),
@@ -172,9 +170,7 @@ pub(crate) fn check_pose(pose: &[DMat4], channels: &mut [DAffine3]) -> Result<()
     if pose.len() != channels.len() {
         return Err(Error::BoneCount { found: pose.len(), bound: channels.len() });
     }
-    if let Some(row) = pose.iter().position(|m| !m.is_finite()) {
-        return Err(Error::NotFinite { what: "pose_matrices", row });
-    }
+    check_matrices("pose_matrices", pose)?;
     for (channel, matrix) in channels.iter_mut().zip(pose) {
         *channel = affine(matrix);
     }
@@ -182,9 +178,7 @@ pub(crate) fn check_pose(pose: &[DMat4], channels: &mut [DAffine3]) -> Result<()
 }
 
 pub(crate) fn check_object(object_from_armature: &DMat4) -> Result<DAffine3> {
-    if !object_from_armature.is_finite() {
-        return Err(Error::NotFinite { what: "object_from_armature", row: 0 });
-    }
+    check_matrices("object_from_armature", std::slice::from_ref(object_from_armature))?;
     let object = affine(object_from_armature);
     let m = object.matrix3;
     let determinant = m.determinant();

@@ -175,9 +175,14 @@ fn automatic_lengths(tree: &JointTree, sites: &Sites, rest: &[DVec3]) -> Vec<f64
     for (site, &p) in rest.iter().enumerate() {
         let (bones, weights) = sites.influences.of(site);
         below.clear();
-        for (&bone, &weight) in bones.iter().zip(weights) {
-            below.extend(tree.chain(usize::from(bone)).map(|joint| (joint, weight)));
+        let joints = || bones.iter().zip(weights).map(|(&bone, &weight)| (usize::from(bone), weight)).filter(|j| j.0 != tree.world());
+        let top = joints().map(|j| j.0).reduce(|a, b| tree.common_ancestor(a, b)).unwrap_or(tree.world());
+        for (joint, weight) in joints() {
+            below.extend(tree.chain(joint).take_while(|&j| j != top).map(|joint| (joint, weight)));
         }
+        // All of the skin hangs on what is above all of its bones, mostly to 1: nothing blends there.
+        let part = joints().map(|j| j.1).sum::<f64>();
+        below.extend(tree.chain(top).take_while(|_| part < 1.0).map(|joint| (joint, part)));
         below.sort_by_key(|b| b.0);
         for same in below.chunk_by(|a, b| a.0 == b.0) {
             let part = same.iter().map(|b| b.1).sum::<f64>().min(1.0);

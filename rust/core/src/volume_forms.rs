@@ -6,7 +6,7 @@
 //! joints on one after the other adds the terms whose last joint it is: each loss is a few hundred products, whatever
 //! the number of vertices.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f64x4};
@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use crate::csr::Csr;
 use crate::lanes::{self, V4, add, add_scaled, cross, mul, sub, transform};
 use crate::motions::Motions;
+use crate::sites::Sites;
 use crate::skinning::Columns;
 use crate::split::{Equal, for_each_piece};
 use crate::sweeps::mean_and_cross;
@@ -26,6 +27,8 @@ const NUMBERS_PER_POINT: usize = 24;
 const NUMBERS_MIN: usize = 1 << 14;
 /// Turns that a thread takes at a time.
 const TURNS: usize = 4;
+/// Sites of a point that are gone through again for each of its faces.
+const FEW_SITES: usize = 8;
 /// Place of the joint above in a block.
 const TOP: u16 = u16::MAX;
 
@@ -264,10 +267,11 @@ fn fill(anatomy: &Anatomy, group: &[(u32, u32, u32)]) -> Filled {
     let mut numbers: BTreeMap<[u16; 3], Vec<f64>> = BTreeMap::new();
     let (mut volume, mut area) = (0.0, lanes::ZERO);
     let mut values: Vec<Vec<V4>> = Vec::new();
+    let mut known = Known { sites, values: HashMap::new() };
     for &(_, top, face) in group {
         let below = joints.below.row(face as usize);
         let slots: Vec<usize> = topology.faces.row(face as usize).iter().map(|&p| patches.slot_of_point[p as usize] as usize).collect();
-        let places: Vec<V4> = slots.iter().map(|&slot| sites.mean(slot, |site| sites.rest[site])).collect();
+        let places: Vec<V4> = slots.iter().map(|&slot| known.value(slot, TOP, || sites.mean(slot, |site| sites.rest[site]))).collect();
         let (mean, twice_area) = mean_and_cross(places.iter().copied());
         volume += lanes::sum(mul(mean, twice_area)) / 6.0;
         area = add_scaled(area, twice_area, 0.5);
@@ -278,15 +282,18 @@ fn fill(anatomy: &Anatomy, group: &[(u32, u32, u32)]) -> Filled {
         values.clear();
         values.push(places.iter().map(|&p| about(p, heads[top as usize])).collect());
         for &joint in below {
-            values.push(slots.iter().map(|&slot| function_values(anatomy, slot, usize::from(joint))).collect());
+            let value = |&slot: &usize| known.value(slot, joint, || function_values(anatomy, slot, usize::from(joint)));
+            values.push(slots.iter().map(value).collect());
         }
+        let sums: Vec<V4> = values.iter().map(|of_corner| of_corner.iter().copied().fold(lanes::ZERO, add)).collect();
         let keys: Vec<[u16; 3]> = blocks_of(below).collect();
         for (weight, triple) in cones(slots.len()) {
             // Per joint and function, its three values on the cone's vectors.
             let vectors: Vec<[[f64; 3]; 4]> = values
                 .iter()
-                .map(|of_corner| {
-                    let on = triple.each_ref().map(|part| part.of(of_corner));
+                .zip(&sums)
+                .map(|(of_corner, &sum)| {
+                    let on = triple.each_ref().map(|part| part.of(of_corner, sum));
                     std::array::from_fn(|f| [on[0][f], on[1][f], on[2][f]])
                 })
                 .collect();
@@ -301,6 +308,18 @@ fn fill(anatomy: &Anatomy, group: &[(u32, u32, u32)]) -> Filled {
         }
     }
     Filled { numbers, moment: (volume, lanes::to(area)) }
+}
+
+/// What was found at points with so many sites that no face should go through them again.
+struct Known<'a> {
+    sites: &'a Sites,
+    values: HashMap<(usize, u16), V4>,
+}
+
+impl Known<'_> {
+    fn value(&mut self, slot: usize, joint: u16, find: impl FnOnce() -> V4) -> V4 {
+        if self.sites.of_slot(slot).len() <= FEW_SITES { find() } else { *self.values.entry((slot, joint)).or_insert_with(find) }
+    }
 }
 
 /// `s (p − head)` and s at a point, s the weight of the joint and all below.
@@ -334,12 +353,12 @@ enum Part {
 }
 
 impl Part {
-    fn of(self, corners: &[V4]) -> V4 {
-        let all = || corners.iter().copied().fold(lanes::ZERO, add);
+    /// `sum` of all `corners`.
+    fn of(self, corners: &[V4], sum: V4) -> V4 {
         match self {
-            Self::Sum => all(),
+            Self::Sum => sum,
             Self::Edge(to, from) => sub(corners[to], corners[from]),
-            Self::Spoke(corner) => add_scaled(corners[corner], all(), -1.0 / corners.len() as f64),
+            Self::Spoke(corner) => add_scaled(corners[corner], sum, -1.0 / corners.len() as f64),
         }
     }
 }

@@ -4,6 +4,8 @@
 //! its loss. Faces that a turn carries whole change by a closed form of their volume and area vector. Faces that it
 //! deforms change by a closed form too where skinning is linear (`VolumeForms`), else they are swept (`Stages`).
 
+use std::collections::HashSet;
+
 use glam::{DMat3, DVec3};
 
 use crate::csr::Csr;
@@ -133,8 +135,11 @@ impl LossPlan {
     pub fn new(anatomy: &Anatomy, mode: Mode, has_shapes: bool) -> Self {
         let Anatomy { topology, joints, tree, .. } = *anatomy;
         let mut jobs: Vec<Job> = Vec::new();
+        let mut carried: HashSet<(u32, u32)> = HashSet::new();
         for ((&component, &top), below) in topology.component_of_face.iter().zip(&joints.tops).zip(joints.below.rows()) {
-            let carrying = tree.chain(top as usize).map(|j| j as u32);
+            // All that carry a face carry the others under the same joint.
+            let is_new = carried.insert((component, top));
+            let carrying = tree.chain(top as usize).take_while(|_| is_new).map(|j| j as u32);
             jobs.extend(carrying.chain(below.iter().map(|&j| u32::from(j))).map(|joint| Job { joint, component }));
             if jobs.len() > 4 * topology.faces.len() {
                 jobs.sort_unstable();

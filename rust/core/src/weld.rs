@@ -1,10 +1,9 @@
 //! Importers split vertices at UV seams. Corners of open edges that coincide at rest are one point of the surface.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
 
 use crate::csr::Csr;
+use crate::nearness::PointTree;
 use crate::union_find::UnionFind;
 
 /// Point of each vertex, numbered by first appearance: the identity where nothing is split.
@@ -25,27 +24,8 @@ impl Welding {
         let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
         let distance = if positions.is_empty() { 0.0 } else { (high - low).length() * tolerance };
         let mut sets = UnionFind::new(positions.len());
-        // Cells of twice the distance: a twin is in the same cell or in one of the neighbours it is near to.
-        let cell = |p: DVec3| {
-            let scaled = (p - low) / (2.0 * distance.max(f64::MIN_POSITIVE));
-            [scaled.x.floor() as i64, scaled.y.floor() as i64, scaled.z.floor() as i64]
-        };
-        let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
-        for (vertex, &p) in positions.iter().enumerate().filter(|&(vertex, _)| open[vertex]) {
-            let (a, b) = (cell(p - distance), cell(p + distance));
-            for x in a[0]..=b[0] {
-                for y in a[1]..=b[1] {
-                    for z in a[2]..=b[2] {
-                        for &other in cells.get(&[x, y, z]).into_iter().flatten() {
-                            if p.distance_squared(positions[other as usize]) <= distance * distance {
-                                sets.join(other, vertex as u32);
-                            }
-                        }
-                    }
-                }
-            }
-            cells.entry(cell(p)).or_default().push(vertex as u32);
-        }
+        let open: Vec<u32> = (0..positions.len() as u32).filter(|&vertex| open[vertex as usize]).collect();
+        PointTree::new(positions, open).join_within(distance, &mut sets);
         let mut point_of_vertex = vec![u32::MAX; positions.len()];
         let mut point_count = 0;
         for vertex in 0..positions.len() {

@@ -9,14 +9,38 @@ use pyo3::types::PyDict;
 
 use crate::TurgorError;
 
-/// Any array-like as a C-contiguous array of `dtype`; arrays that already are one are not copied.
+/// Any array-like as an aligned, C-contiguous array of `dtype`; arrays that already are one are not copied.
 fn contiguous<'py>(value: &Bound<'py, PyAny>, what: &str, dtype: &str) -> PyResult<Bound<'py, PyAny>> {
     let numpy = value.py().import("numpy")?;
+    let refused = |error: PyErr| TurgorError::new_err(format!("{what}: need an array of {dtype}, {error}"));
+    let given = numpy.call_method1("asarray", (value,)).map_err(refused)?;
+    // Numpy would drop what is imaginary.
+    if kind_of(&given)? == 'c' {
+        return Err(TurgorError::new_err(format!("{what}: need an array of {dtype}, got {}", describe(&given))));
+    }
     let options = PyDict::new(value.py());
     options.set_item("dtype", dtype)?;
-    numpy
-        .call_method("ascontiguousarray", (value,), Some(&options))
-        .map_err(|error| TurgorError::new_err(format!("{what}: need an array of {dtype}, {error}")))
+    let array = numpy.call_method("ascontiguousarray", (given,), Some(&options)).map_err(refused)?;
+    if is_aligned(&array)? { Ok(array) } else { array.call_method0("copy") }
+}
+
+/// The letter of an array's kind of numbers.
+fn kind_of(array: &Bound<'_, PyAny>) -> PyResult<char> {
+    array.getattr("dtype")?.getattr("kind")?.extract()
+}
+
+fn is_aligned(array: &Bound<'_, PyAny>) -> PyResult<bool> {
+    array.getattr("flags")?.getattr("aligned")?.extract()
+}
+
+/// The message of an output array that is none; `is_fit`: the type and shape are right.
+fn check_output(array: &Bound<'_, PyAny>, needed: &str, is_fit: bool) -> PyResult<()> {
+    let is_writable = || array.getattr("flags").and_then(|flags| flags.getattr("carray")?.extract()).unwrap_or(false);
+    if is_fit && is_writable() {
+        return Ok(());
+    }
+    let flags = if is_fit { ", which is not writable, aligned and C-contiguous" } else { "" };
+    Err(TurgorError::new_err(format!("{needed}, got {}{flags}", describe(array))))
 }
 
 fn describe(array: &Bound<'_, PyAny>) -> String {
@@ -115,10 +139,9 @@ pub fn vector(value: &Bound<'_, PyAny>, what: &str) -> PyResult<DVec3> {
 /// Hands the rows of a float32 array to `write`, in place.
 pub fn with_rows_mut<T>(array: &Bound<'_, PyAny>, what: &str, write: impl FnOnce(&mut [[f32; 3]]) -> PyResult<T>) -> PyResult<T> {
     let needed = format!("{what}: need a writable C-contiguous float32 array (N, 3)");
-    let array = array.cast::<PyArray2<f32>>().map_err(|_| TurgorError::new_err(format!("{needed}, got {}", array.get_type())))?;
-    if array.shape().get(1) != Some(&3) || !array.is_c_contiguous() {
-        return Err(TurgorError::new_err(format!("{needed}, got shape {:?}", array.shape())));
-    }
+    let typed = array.cast::<PyArray2<f32>>().ok();
+    check_output(array, &needed, typed.is_some_and(|array| array.shape()[1] == 3))?;
+    let array = array.cast::<PyArray2<f32>>().map_err(PyErr::from)?;
     let mut view = array.try_readwrite().map_err(|error| TurgorError::new_err(format!("{needed}: {error}")))?;
     let (rows, _) = view.as_slice_mut()?.as_chunks_mut::<3>();
     write(rows)
@@ -132,16 +155,38 @@ pub fn with_numbers_mut<T>(
     write: impl FnOnce(&mut [i32]) -> PyResult<T>,
 ) -> PyResult<T> {
     let needed = format!("{what}: need a writable C-contiguous int32 array {shape:?}");
-    let array = array.cast::<PyArray2<i32>>().map_err(|_| TurgorError::new_err(format!("{needed}, got {}", array.get_type())))?;
-    if array.shape() != [shape.0, shape.1] || !array.is_c_contiguous() {
-        return Err(TurgorError::new_err(format!("{needed}, got shape {:?}", array.shape())));
-    }
+    let typed = array.cast::<PyArray2<i32>>().ok();
+    check_output(array, &needed, typed.is_some_and(|array| array.shape() == [shape.0, shape.1]))?;
+    let array = array.cast::<PyArray2<i32>>().map_err(PyErr::from)?;
     let mut view = array.try_readwrite().map_err(|error| TurgorError::new_err(format!("{needed}: {error}")))?;
     write(view.as_slice_mut()?)
 }
 
 pub fn indices(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<i32>> {
-    read(value, what, "int32", "(N,)", |shape| shape.len() == 1)
+    let is_vector = |shape: &[usize]| shape.len() == 1;
+    if value.cast::<PyArray1<i32>>().is_ok() {
+        return read(value, what, "int32", "(N,)", is_vector);
+    }
+    // Numpy would cut off fractions and the upper half of what is too large.
+    let numbers = read::<f64>(value, what, "float64", "(N,)", is_vector)?;
+    let whole = |(row, &number): (usize, &f64)| {
+        let index = number as i32;
+        if f64::from(index) == number {
+            return Ok(index);
+        }
+        Err(TurgorError::new_err(format!("{what}: entry {row} is {number}, need a whole number that fits int32")))
+    };
+    numbers.iter().enumerate().map(whole).collect()
+}
+
+/// One number, not an array of one.
+pub fn number(value: &Bound<'_, PyAny>) -> Option<f64> {
+    if value.len().is_ok() { None } else { value.extract().ok() }
+}
+
+/// A number of things.
+pub fn count(value: i64, what: &str) -> PyResult<usize> {
+    usize::try_from(value).map_err(|_| TurgorError::new_err(format!("{what}: need a whole number of 0 or more, got {value}")))
 }
 
 pub fn flags(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<bool>> {
@@ -178,11 +223,9 @@ pub fn frames<'py>(
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let Some(own) = own else { return Ok(PyArray3::zeros(py, [shape.0, shape.1, 3], false)) };
     let needed = format!("{what}: need a writable C-contiguous float32 array {:?}", (shape.0, shape.1, 3));
-    let array = own.cast::<PyArray3<f32>>().map_err(|_| TurgorError::new_err(format!("{needed}, got {}", describe(own))))?;
-    if array.shape() != [shape.0, shape.1, 3] || !array.is_c_contiguous() {
-        return Err(TurgorError::new_err(format!("{needed}, got shape {:?}", array.shape())));
-    }
-    Ok(array.clone())
+    let typed = own.cast::<PyArray3<f32>>().ok();
+    check_output(own, &needed, typed.is_some_and(|array| array.shape() == [shape.0, shape.1, 3]))?;
+    Ok(own.cast::<PyArray3<f32>>().map_err(PyErr::from)?.clone())
 }
 
 /// Hands the rows of `frames` to `write`, in place.

@@ -35,9 +35,9 @@ impl PoseData {
     fn read(spine: &Spine, twist: Option<&Bound<'_, PyAny>>, slide: f64, stretch: bool) -> PyResult<Self> {
         let twist = match twist {
             None => TwistData::Ends([0.0; 2]),
-            Some(twist) => match twist.extract::<f64>() {
-                Ok(angle) => TwistData::Ends([0.0, angle]),
-                Err(_) => match *arrays::numbers(twist, "twist")? {
+            Some(twist) => match arrays::number(twist) {
+                Some(angle) => TwistData::Ends([0.0, angle]),
+                None => match *arrays::numbers(twist, "twist")? {
                     [start, end] => TwistData::Ends([start, end]),
                     ref angles => TwistData::Stations(angles.to_vec()),
                 },
@@ -194,14 +194,16 @@ impl Fleshing {
     fn deform_into_address(
         &self,
         py: Python<'_>,
-        offsets_address: usize,
-        point_count: usize,
+        offsets_address: i64,
+        point_count: i64,
         posed_spine: &Spine,
         twist: Option<&Bound<'_, PyAny>>,
         slide: f64,
         stretch: bool,
     ) -> PyResult<FleshingReport> {
         let pose = PoseData::read(posed_spine, twist, slide, stretch)?;
+        let (offsets_address, point_count) =
+            (arrays::count(offsets_address, "offsets_address")?, arrays::count(point_count, "point_count")?);
         if point_count == 0 {
             return self.write(py, &pose, &mut []);
         }

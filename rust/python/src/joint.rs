@@ -38,14 +38,16 @@ impl Joint {
     fn new(
         bone: i64,
         shares: Option<&Bound<'_, PyAny>>,
-        profiles: Option<[Bound<'_, PyAny>; 3]>,
-        folded_profiles: Option<[Bound<'_, PyAny>; 3]>,
+        profiles: Option<&Bound<'_, PyAny>>,
+        folded_profiles: Option<&Bound<'_, PyAny>>,
         folded_loss_relative: f64,
         strength: f64,
         size: f64,
     ) -> PyResult<Self> {
         let bone = bone_index(bone)?;
-        let curves = |what: &str, [x, y, z]: [Bound<'_, PyAny>; 3]| {
+        let curves = |what: &str, value: &Bound<'_, PyAny>| {
+            let three = value.extract::<[Bound<'_, PyAny>; 3]>();
+            let [x, y, z] = three.map_err(|error| TurgorError::new_err(format!("{what}: need three curves, {error}")))?;
             let profile = |samples: &Bound<'_, PyAny>| Profile::new(&arrays::numbers(samples, what)?).map_err(refused);
             Ok::<_, PyErr>([profile(&x)?, profile(&y)?, profile(&z)?])
         };

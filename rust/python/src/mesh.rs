@@ -151,7 +151,7 @@ pub fn correct<'py>(
     };
     let shares = read_shares(shares)?;
     let targets;
-    let target = if let Ok(total) = target_volume.extract::<f64>() {
+    let target = if let Some(total) = arrays::number(target_volume) {
         Target::Total(total)
     } else {
         targets = arrays::numbers(target_volume, "target_volume")?;

@@ -24,8 +24,11 @@ fn refuse_cyclic(cyclic: bool) -> PyResult<()> {
     Ok(())
 }
 
-fn resolution_of(samples: Option<usize>, tolerance: f64) -> Resolution {
-    samples.map_or(Resolution::Tolerance(tolerance), Resolution::Samples)
+fn resolution_of(samples: Option<i64>, tolerance: f64) -> PyResult<Resolution> {
+    Ok(match samples {
+        Some(samples) => Resolution::Samples(arrays::count(samples, "resolution")?),
+        None => Resolution::Tolerance(tolerance),
+    })
 }
 
 fn normal_of(normal: Option<&Bound<'_, PyAny>>) -> PyResult<Option<DVec3>> {
@@ -85,14 +88,15 @@ impl Spine {
         right_handles: &Bound<'_, PyAny>,
         cyclic: bool,
         tolerance: f64,
-        resolution: Option<usize>,
+        resolution: Option<i64>,
         normal: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         refuse_cyclic(cyclic)?;
         let (points, normal) = (arrays::vectors(points, "points")?, normal_of(normal)?);
         let left = arrays::vectors(left_handles, "left_handles")?;
         let right = arrays::vectors(right_handles, "right_handles")?;
-        Self::wrap(py, || turgor::Spine::from_bezier(&points, &left, &right, resolution_of(resolution, tolerance), normal))
+        let resolution = resolution_of(resolution, tolerance)?;
+        Self::wrap(py, || turgor::Spine::from_bezier(&points, &left, &right, resolution, normal))
     }
 
     #[staticmethod]
@@ -102,19 +106,19 @@ impl Spine {
         py: Python<'_>,
         points: &Bound<'_, PyAny>,
         weights: Option<&Bound<'_, PyAny>>,
-        order: usize,
+        order: i64,
         use_endpoint: bool,
         use_bezier: bool,
         cyclic: bool,
         tolerance: f64,
-        resolution: Option<usize>,
+        resolution: Option<i64>,
         normal: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         refuse_cyclic(cyclic)?;
         let (points, normal) = (arrays::vectors(points, "points")?, normal_of(normal)?);
         let weights = weights.map_or_else(|| Ok(vec![1.0; points.len()]), |weights| arrays::numbers(weights, "weights"))?;
         let flags = KnotFlags { use_endpoint, use_bezier };
-        let resolution = resolution_of(resolution, tolerance);
+        let (order, resolution) = (arrays::count(order, "order")?, resolution_of(resolution, tolerance)?);
         Self::wrap(py, || turgor::Spine::from_nurbs(&points, &weights, order, flags, resolution, normal))
     }
 
@@ -124,12 +128,13 @@ impl Spine {
         py: Python<'_>,
         points: &Bound<'_, PyAny>,
         cyclic: bool,
-        resolution: usize,
+        resolution: i64,
         normal: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         refuse_cyclic(cyclic)?;
         let (points, normal) = (arrays::vectors(points, "points")?, normal_of(normal)?);
-        Self::wrap(py, || turgor::Spine::from_poly(&points, Resolution::Samples(resolution), normal))
+        let resolution = resolution_of(Some(resolution), 0.0)?;
+        Self::wrap(py, || turgor::Spine::from_poly(&points, resolution, normal))
     }
 
     #[pyo3(signature = (points, *, normal=None))]
@@ -210,13 +215,11 @@ impl Spine {
     }
 }
 
-/// Numbers that are all finite.
+/// Numbers that are all finite, and not too large.
 pub fn finite(value: &Bound<'_, PyAny>, what: &'static str) -> PyResult<Vec<f64>> {
     let numbers = arrays::numbers(value, what)?;
-    match numbers.iter().position(|x| !x.is_finite()) {
-        Some(row) => Err(refused(turgor::Error::NotFinite { what, row })),
-        None => Ok(numbers),
-    }
+    turgor::check_numbers(what, &numbers).map_err(refused)?;
+    Ok(numbers)
 }
 
 /// Points of a spine with their frames.

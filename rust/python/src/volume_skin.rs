@@ -204,8 +204,8 @@ impl VolumeSkin {
     fn deform_into_address(
         &self,
         py: Python<'_>,
-        offsets_address: usize,
-        vertex_count: usize,
+        offsets_address: i64,
+        vertex_count: i64,
         pose_matrices: &Bound<'_, PyAny>,
         object_from_armature: Option<&Bound<'_, PyAny>>,
         shape_values: Option<&Bound<'_, PyAny>>,
@@ -225,6 +225,8 @@ impl VolumeSkin {
             fleshed,
             repair_folds,
         )?;
+        let (offsets_address, vertex_count) =
+            (arrays::count(offsets_address, "offsets_address")?, arrays::count(vertex_count, "vertex_count")?);
         self.check_rows(vertex_count)?;
         if vertex_count == 0 {
             return self.write(py, &pose, &mut []);

@@ -112,10 +112,10 @@ pub fn automatic_weights(
     bone_heads: &Bound<'_, PyAny>,
     bone_tails: &Bound<'_, PyAny>,
     bone_parents: Option<&Bound<'_, PyAny>>,
-    resolution: Option<usize>,
+    resolution: Option<i64>,
     falloff: f64,
     smoothing: f64,
-    max_influences: Option<usize>,
+    max_influences: Option<i64>,
     stiffness: Option<&Bound<'_, PyAny>>,
     is_solid: Option<&Bound<'_, PyAny>>,
     is_locked: Option<&Bound<'_, PyAny>>,
@@ -162,6 +162,8 @@ pub fn automatic_weights(
         is_locked: is_locked.as_deref(),
     };
     let symmetry = plane.map(|plane| Symmetry { plane, partners: partners.as_deref() });
+    let resolution = resolution.map(|voxels| arrays::count(voxels, "resolution")).transpose()?;
+    let max_influences = max_influences.map(|influences| arrays::count(influences, "max_influences")).transpose()?;
     let settings = WeightSettings { resolution, falloff, smoothing, max_influences, symmetry };
     let result = detached(py, || turgor::automatic_weights(&surfaces, &bones, locked_weights.as_ref(), &settings, &mut report));
     if let Some(error) = raised {

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::Workspace;
 use crate::binding::Binding;
 use crate::csr::Csr;
-use crate::error::{Error, Result};
+use crate::error::{Error, LARGEST, Result, check_numbers};
 use crate::lanes::{self, V4};
 use crate::patches::NO_SLOT;
 
@@ -55,8 +55,8 @@ impl Workspace {
         if offsets.len() != bound {
             return Err(Error::Length { what: "added_offsets", found: offsets.len(), needed: bound });
         }
-        if let Some(row) = offsets.iter().position(|offset| !offset.iter().all(|c| c.is_finite())) {
-            return Err(Error::NotFinite { what: "added_offsets", row });
+        if let Some(row) = offsets.iter().position(|offset| !offset.iter().all(|c| f64::from(c.abs()) <= LARGEST)) {
+            return check_numbers("added_offsets", &offsets[row].map(f64::from)).map(|()| DVec3::ZERO);
         }
         if self.added.vertices_of_slot.values().is_empty() {
             let in_slots: Vec<(u32, u32)> = binding.slot_of_vertex.iter().copied().zip(0..).filter(|(slot, _)| *slot != NO_SLOT).collect();

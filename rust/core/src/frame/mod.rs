@@ -28,9 +28,9 @@ pub(crate) use self::refinement::{Details, Needs};
 use crate::binding::Binding;
 use crate::block_rows::Block;
 use crate::correction::{Field, FieldFrame, Hold};
-use crate::error::{Error, Result};
+use crate::error::{Error, LARGEST, Result, check_numbers};
 use crate::fields::Move;
-use crate::joint::Joint;
+use crate::joint::{FACTOR_MAX, Joint, check_strengths};
 use crate::lanes::{self, Four, V4, add_scaled};
 use crate::mask::Mask;
 use crate::motions::Motions;
@@ -257,32 +257,37 @@ impl Workspace {
             if strengths.len() != binding.bone_count {
                 return Err(Error::Length { what: "strengths", found: strengths.len(), needed: binding.bone_count });
             }
-            if let Some(&found) = strengths.iter().find(|s| !(**s >= 0.0 && s.is_finite())) {
-                return Err(Error::Value { what: "strengths", found, needed: "numbers of 0 or more" });
-            }
+            check_strengths("strengths", strengths)?;
         }
         if let Some(is_fleshed) = pose.is_fleshed.filter(|bones| bones.len() != binding.bone_count) {
             return Err(Error::Length { what: "fleshed", found: is_fleshed.len(), needed: binding.bone_count });
         }
-        if !(pose.target_scale > 0.0 && pose.target_scale.is_finite()) {
-            return Err(Error::Value { what: "target_scale", found: pose.target_scale, needed: "a number above 0" });
+        if !(pose.target_scale > 0.0 && pose.target_scale <= FACTOR_MAX) {
+            return Err(Error::Value { what: "target_scale", found: pose.target_scale, needed: "a number above 0, up to 1e9" });
         }
         if pose.shape_values.len() > binding.shape_deltas.len() {
             return Err(Error::Length { what: "shape_values", found: pose.shape_values.len(), needed: binding.shape_deltas.len() });
         }
-        if let Some(row) = pose.shape_values.iter().position(|v| !v.is_finite()) {
-            return Err(Error::NotFinite { what: "shape_values", row });
-        }
+        check_numbers("shape_values", pose.shape_values)?;
         check_pose(pose.matrices, &mut self.channels)?;
         self.object = check_object(&pose.object_from_armature)?;
         let armature_from_rest = self.object.inverse() * DAffine3::from_translation(binding.rest_centre);
+        let radius = binding.radius_with(pose.shape_values);
         // Near the mean of the skinned points: sums about it keep their digits far from the world's origin.
         let mut origin = DVec3::ZERO;
         let mut total = 0.0;
         for (joint, &(mass, centre)) in binding.masses.iter().enumerate() {
             let bone = binding.motions.tree.bones.get(joint);
             let channel = bone.map_or(DAffine3::IDENTITY, |&bone| self.channels[bone as usize]);
-            origin += (channel * armature_from_rest).transform_point3(centre) * mass;
+            let armature_from_rest = channel * armature_from_rest;
+            if mass > 0.0 {
+                let reach = reach(&armature_from_rest, radius).max(reach(&(self.object * armature_from_rest), radius));
+                // What is no number is too far too.
+                if !(reach <= LARGEST) {
+                    return Err(Error::TooFar { bone: bone.map_or(0, |&bone| bone as usize), reach });
+                }
+            }
+            origin += armature_from_rest.transform_point3(centre) * mass;
             total += mass;
         }
         if total > 0.0 {
@@ -345,6 +350,11 @@ impl Workspace {
         let gap = self.patches.iter().map(|p| p.gap_squared).fold(0.0, f64::max).sqrt();
         report.seam_gap = gap * object_from_armature.abs().cbrt();
     }
+}
+
+/// How far from 0 a map takes what is within a radius of 0, at most.
+fn reach(map: &DAffine3, radius: f64) -> f64 {
+    map.translation.length() + radius * (map.x_axis.length() + map.y_axis.length() + map.z_axis.length())
 }
 
 fn ragged<'a>(coordinates: &'a mut Coordinates, offsets: &'a [u32]) -> [Ragged<'a, f32>; 3] {

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x4, f64x4};
+use glam::DVec3;
 
 use super::{ComponentState, Workspace};
 use crate::binding::Binding;
@@ -27,7 +28,7 @@ impl Workspace {
         let step = |component: u32| step_of(components, component);
         // Of numbers of 0 or more the bits are in the same order.
         let largest_squared = AtomicU32::new(0);
-        let rows = Equal::new(offsets, CHUNK);
+        let rows = Equal::new(&mut *offsets, CHUNK);
         for_each_piece(rows.count(), rows, &|row, offsets| {
             let vertices = row * CHUNK..row * CHUNK + offsets.values.len();
             let (slots, of_vertex) = (&binding.slot_of_vertex[vertices.clone()], &binding.component_of_vertex[vertices]);
@@ -39,6 +40,11 @@ impl Workspace {
         });
         let largest_squared = f32::from_bits(largest_squared.into_inner());
         self.report.max_displacement = f64::from(largest_squared).sqrt();
+        if largest_squared.is_infinite() {
+            // The square is beyond single precision, not the offset.
+            let length = |offset: &[f32; 3]| DVec3::from_array(offset.map(f64::from)).length();
+            self.report.max_displacement = offsets.iter().map(length).fold(0.0, f64::max);
+        }
     }
 
     /// Skinned, and `part` of the way to corrected, of every vertex: the same bits as by way of `write_offsets`.

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::error::{Error, Result, check_finite};
+use crate::error::{Error, LARGEST, Result, SMALLEST, check_finite, check_numbers};
 use crate::spine::arc_length::ArcLength;
 use crate::spine::b_spline::{BSpline, KnotFlags};
 use crate::spine::cells::{Cells, Station};
@@ -144,9 +144,10 @@ impl Spine {
     ) -> Result<Self> {
         check_count("points", points.len())?;
         check_finite("points", points)?;
+        check_size("points", points)?;
         check_length("weights", weights.len(), points.len())?;
-        if let Some(&found) = weights.iter().find(|w| !(**w > 0.0 && w.is_finite())) {
-            return Err(Error::Value { what: "weights", found, needed: "numbers above 0" });
+        if let Some(&found) = weights.iter().find(|w| !(SMALLEST..=LARGEST).contains(*w)) {
+            return Err(Error::Value { what: "weights", found, needed: "numbers above 0, from 1e-30 to 1e15" });
         }
         if !(2..=6).contains(&order) || order > points.len() {
             return Err(Error::Value { what: "order", found: order as f64, needed: "2 to 6, and not more than there are points" });
@@ -201,8 +202,10 @@ impl Spine {
         let Bare { breaks, pieces, first_piece } = bare;
         let tangent = pieces[first_piece].0[1].normalize_or(DVec3::X);
         let normal = match normal {
-            Some(normal) if normal.is_finite() => across(normal, tangent),
-            Some(_) => return Err(Error::NotFinite { what: "normal", row: 0 }),
+            Some(normal) => {
+                check_finite("normal", &[normal])?;
+                across(normal, tangent)
+            }
             None => any_across(tangent),
         };
         if let Some(row) = pieces.iter().position(|piece| piece.0.iter().any(|c| !c.is_finite())) {
@@ -410,10 +413,13 @@ fn parameters_of(points: &[DVec3], parameters: Parameters) -> Result<Vec<f64>> {
         Parameters::Centripetal => steps(f64::sqrt),
         Parameters::Given(given) => {
             check_length("parameters", given.len(), points.len())?;
+            check_numbers("parameters", given)?;
             given.to_vec()
         }
     };
-    match made.windows(2).position(|w| !(w[1] > w[0] && w[1].is_finite() && w[0].is_finite())) {
+    // Lengths of steps are as uneven as the points; given ones may be no steeper than numbers are large.
+    let least = if matches!(parameters, Parameters::Given(_)) { SMALLEST } else { 0.0 };
+    match made.windows(2).position(|w| !(w[1] > w[0] && w[1] - w[0] >= least)) {
         Some(row) => Err(Error::Parameters { row: row + 1 }),
         None => Ok(made),
     }
@@ -422,10 +428,20 @@ fn parameters_of(points: &[DVec3], parameters: Parameters) -> Result<Vec<f64>> {
 fn check_points(what: &'static str, points: &[DVec3]) -> Result<()> {
     check_count(what, points.len())?;
     check_finite(what, points)?;
-    let size = points.iter().fold(0.0, |size: f64, p| size.max(p.distance(points[0])));
+    let size = check_size(what, points)?;
     match points.windows(2).position(|w| w[0].distance(w[1]) <= size * f64::EPSILON) {
         Some(row) => Err(Error::Coincident { row: row + 1 }),
         None => Ok(()),
+    }
+}
+
+/// The size of points that a curve can be made from.
+fn check_size(what: &'static str, points: &[DVec3]) -> Result<f64> {
+    let size = points.iter().fold(0.0, |size: f64, p| size.max(p.distance(points[0])));
+    match size {
+        0.0 => Err(Error::Coincident { row: 1 }),
+        SMALLEST.. => Ok(size),
+        _ => Err(Error::TooSmall { what, found: size }),
     }
 }
 

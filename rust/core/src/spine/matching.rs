@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x8};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check_numbers};
 use crate::spine::arc_length::ArcLength;
 use crate::spine::curve::Spine;
 use crate::spine::real::{LANES, Lanes};
@@ -52,9 +52,7 @@ impl<'a> Matching<'a> {
     /// # Errors
     /// Stations that differ in number where they are to match, a slide that is not finite.
     pub fn new(rest: &'a Spine, posed: &'a Spine, rule: Match, slide: f64) -> Result<Self> {
-        if !slide.is_finite() {
-            return Err(Error::Value { what: "slide", found: slide, needed: "a finite length" });
-        }
+        check_numbers("slide", &[slide])?;
         let is_same = rest.cells().breaks() == posed.cells().breaks();
         let (source_spine, map) = match rule {
             Match::Stations if is_same => {

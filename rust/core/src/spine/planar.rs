@@ -4,7 +4,7 @@
 //! 1 − k·p of what it is about a straight one. `unbend` takes p about a bent spine to q about a straight one with the
 //! determinant 1 − k·p, `bend` takes it back. Nothing here needs a Frenet frame: k may vanish or turn over.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, LARGEST, Result};
 use crate::spine::real::Real;
 
 /// 1/√3: the smallest w of the radial bend, and its largest k·q.
@@ -55,7 +55,7 @@ impl Blend {
     /// Weights that are negative, not finite, or all 0.
     pub fn new(weights: [f64; 3]) -> Result<Self> {
         let needed = "weights of 0 or more of radial, normal and binormal, not all 0";
-        if let Some(&found) = weights.iter().find(|w| !(**w >= 0.0 && w.is_finite())) {
+        if let Some(&found) = weights.iter().find(|w| !(**w >= 0.0 && **w <= LARGEST)) {
             return Err(Error::Value { what: "kind", found, needed });
         }
         let sum: f64 = weights.iter().sum();

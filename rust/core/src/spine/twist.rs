@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check_numbers};
 use crate::spine::interpolation::{End, interpolate};
 use crate::spine::quintic::Quintic;
 
@@ -40,9 +40,7 @@ impl TwistCurve {
         if angles.len() != parameters.len() {
             return Err(Error::Length { what: "twist", found: angles.len(), needed: parameters.len() });
         }
-        if let Some(row) = angles.iter().position(|angle| !angle.is_finite()) {
-            return Err(Error::NotFinite { what: "twist", row });
-        }
+        check_numbers("twist", &angles)?;
         if angles.iter().all(|&angle| angle == 0.0) {
             return Ok(None);
         }

@@ -9,10 +9,10 @@ use super::inset;
 use super::sampling::Sampler;
 use super::skin::Skin;
 use super::solid::Solid;
-use super::sources::{Source, contact, near_sources, sources, straight_distance};
+use super::sources::{Source, contact, near_sources, sources, FARTHEST, straight_distance};
 use super::voxels::Voxels;
 use crate::csr::Csr;
-use crate::error::Result;
+use crate::error::{Error, Result};
 
 /// Part of a voxel that surfaces lie from their outermost centres.
 pub const SKIN: f64 = 0.5;
@@ -62,7 +62,7 @@ impl Distances {
         step(0.1)?;
         let bounds = bounds(voxels, front, &rows, range as f32);
         let count = places.len();
-        let mut columns = vec![0.0f32; count * bones.len()];
+        let mut columns = zeros(count, bones.len())?;
         let batch = rayon::current_num_threads();
         for (first, columns) in columns.chunks_mut(batch * count.max(1)).enumerate() {
             columns.par_chunks_mut(count.max(1)).enumerate().for_each_init(Front::default, |front, (bone, column)| {
@@ -94,16 +94,24 @@ impl Distances {
     }
 
     /// Straight distances, where there is no body at all.
-    pub fn straight(points: &[DVec3], bones: &[[DVec3; 2]], shell_count: usize, unit: f64) -> Self {
-        let mut columns = vec![0.0f32; points.len() * bones.len()];
+    pub fn straight(points: &[DVec3], bones: &[[DVec3; 2]], shell_count: usize, unit: f64) -> Result<Self> {
+        let mut columns = zeros(points.len(), bones.len())?;
         for (column, &bone) in columns.chunks_mut(points.len().max(1)).zip(bones) {
             for (distance, &p) in column.iter_mut().zip(points) {
-                *distance = (straight_distance(bone, p) / unit) as f32;
+                *distance = (straight_distance(bone, p) / unit).min(FARTHEST) as f32;
             }
         }
         let memory_bytes = size_of_val(&*columns);
-        Self { columns, depths: vec![0.0; points.len()], is_reached: vec![false; shell_count], memory_bytes }
+        Ok(Self { columns, depths: vec![0.0; points.len()], is_reached: vec![false; shell_count], memory_bytes })
     }
+}
+
+/// A column of zeros per bone.
+fn zeros(points: usize, bones: usize) -> Result<Vec<f32>> {
+    let mut columns = Vec::new();
+    columns.try_reserve_exact(points * bones).map_err(|_| Error::TooManyWeights { points, bones })?;
+    columns.resize(points * bones, 0.0);
+    Ok(columns)
 }
 
 /// Per voxel the largest distance of a bone that may still count at some place beyond it: with m the distance to the
@@ -119,10 +127,15 @@ fn bounds(voxels: &Voxels, mut front: Front, rows: &Csr<(u32, f32)>, range: f32)
         .map(|voxel| (voxel, range * front.distances[voxel as usize] + SLACK))
         .filter(|limit| limit.1.is_finite())
         .collect();
-    let top = limits.iter().map(|limit| limit.1).fold(0.0, f32::max);
-    for limit in &mut limits {
-        limit.1 = top - limit.1;
+    // About the top of each connected part: of a part far from all bones, the digits of one beside a bone would be lost.
+    let mut tops = vec![0.0f32; voxels.part_count];
+    for &(voxel, limit) in &limits {
+        let top = &mut tops[voxels.part[voxel as usize] as usize];
+        *top = top.max(limit);
+    }
+    for (voxel, limit) in &mut limits {
+        *limit = tops[voxels.part[*voxel as usize] as usize] - *limit;
     }
     front.spread(voxels, &limits, None);
-    front.distances.iter().map(|below| top - below).collect()
+    front.distances.iter().zip(&voxels.part).map(|(below, &part)| tops[part as usize] - below).collect()
 }

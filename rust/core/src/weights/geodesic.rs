@@ -8,6 +8,8 @@ use super::voxels::{FACE_STEPS, NONE, STEPS, Voxels};
 
 /// Distances within one bucket are settled together, and again if one of them changes.
 const BUCKET: f32 = 0.5;
+/// Buckets that are open at a time: more than any step passes over, however far distances are rounded.
+const OPEN: u64 = 16;
 
 /// Length of each of `STEPS`.
 const LENGTHS: [f32; 26] = lengths();
@@ -34,50 +36,69 @@ pub struct Front {
     pub distances: Vec<f32>,
     /// Distance with which a voxel was passed on to its neighbours.
     passed: Vec<f32>,
-    buckets: Vec<Vec<u32>>,
+    /// Least distance of a source: the first bucket begins there.
+    start: f32,
+    /// The bucket that is being settled, the next ones, and how many voxels they hold.
+    bucket: u64,
+    open: [Vec<u32>; OPEN as usize],
+    open_count: usize,
 }
 
 impl Front {
     /// Distances from voxels that start with some distance. A voxel farther than its `bound` passes nothing on.
+    ///
+    /// Buckets in which nothing happens cost nothing, however far apart sources begin.
     pub fn spread(&mut self, voxels: &Voxels, sources: &[(u32, f32)], bounds: Option<&[f32]>) {
         self.distances.clear();
         self.distances.resize(voxels.len(), f32::INFINITY);
         self.passed.clear();
         self.passed.resize(voxels.len(), f32::INFINITY);
-        let start = sources.iter().map(|s| s.1).fold(f32::INFINITY, f32::min);
+        self.start = sources.iter().map(|s| s.1).fold(f32::INFINITY, f32::min);
         for &(voxel, distance) in sources {
             let least = &mut self.distances[voxel as usize];
             *least = least.min(distance);
         }
         // Sources whose neighbours are as near as can be have nothing to pass on.
-        for &(voxel, distance) in sources {
+        let passes_on = |&&(voxel, distance): &&(u32, f32)| {
             let is_farther = |(&other, length): (&u32, &f32)| other != NONE && self.distances[other as usize] > distance + length;
-            if self.distances[voxel as usize] == distance && voxels.neighbours[voxel as usize].iter().zip(&LENGTHS).any(is_farther) {
-                self.improve(voxel, distance, start);
-            }
-        }
-        let mut bucket = 0;
+            self.distances[voxel as usize] == distance && voxels.neighbours[voxel as usize].iter().zip(&LENGTHS).any(is_farther)
+        };
+        let mut waiting: Vec<(u64, u32)> =
+            sources.iter().filter(passes_on).map(|&(voxel, distance)| (index(distance, self.start), voxel)).collect();
+        waiting.sort_by_key(|&(bucket, _)| bucket);
+        let mut waiting = waiting.into_iter().peekable();
         let mut batch = Vec::new();
-        while bucket < self.buckets.len() {
-            std::mem::swap(&mut batch, &mut self.buckets[bucket]);
-            if batch.is_empty() {
-                bucket += 1;
-                continue;
+        while let Some(next) = self.next_bucket(waiting.peek().map(|&(bucket, _)| bucket)) {
+            self.bucket = next;
+            while let Some((_, voxel)) = waiting.next_if(|&(bucket, _)| bucket == next) {
+                batch.push(voxel);
             }
+            let open = &mut self.open[(next % OPEN) as usize];
+            self.open_count -= open.len();
+            batch.append(open);
             for voxel in batch.drain(..) {
                 let distance = self.distances[voxel as usize];
-                let is_stale = index(distance, start) != bucket || self.passed[voxel as usize] <= distance;
+                let is_stale = index(distance, self.start) != next || self.passed[voxel as usize] <= distance;
                 if is_stale || bounds.is_some_and(|bounds| distance > bounds[voxel as usize]) {
                     continue;
                 }
                 self.passed[voxel as usize] = distance;
-                self.pass_on(voxels, voxel, distance, start);
+                self.pass_on(voxels, voxel, distance);
             }
         }
     }
 
+    /// The first bucket from the current one on that holds anything; `waiting`: the first one that sources wait for.
+    fn next_bucket(&self, waiting: Option<u64>) -> Option<u64> {
+        if self.open_count == 0 {
+            return waiting;
+        }
+        let open = (self.bucket..self.bucket + OPEN).find(|&bucket| !self.open[(bucket % OPEN) as usize].is_empty());
+        open.into_iter().chain(waiting).min()
+    }
+
     #[inline]
-    fn pass_on(&mut self, voxels: &Voxels, voxel: u32, distance: f32, start: f32) {
+    fn pass_on(&mut self, voxels: &Voxels, voxel: u32, distance: f32) {
         let neighbours = &voxels.neighbours[voxel as usize];
         for (step, &other) in neighbours.iter().enumerate() {
             if other == NONE || self.distances[other as usize] <= distance {
@@ -85,19 +106,21 @@ impl Front {
             }
             let found = if step < FACE_STEPS { self.upwind(&voxels.neighbours[other as usize]) } else { distance + LENGTHS[step] };
             if found < self.distances[other as usize] {
-                self.improve(other, found, start);
+                self.improve(other, found);
             }
         }
     }
 
     #[inline]
-    fn improve(&mut self, voxel: u32, distance: f32, start: f32) {
+    fn improve(&mut self, voxel: u32, distance: f32) {
         self.distances[voxel as usize] = distance;
-        let bucket = index(distance, start);
-        if bucket >= self.buckets.len() {
-            self.buckets.resize_with(bucket + 1, Vec::new);
+        let bucket = index(distance, self.start);
+        // Beside a voxel beyond its bound, which passed nothing on, a way may be found too late: nobody takes it.
+        if bucket >= self.bucket {
+            debug_assert!(bucket < self.bucket + OPEN);
+            self.open[(bucket % OPEN) as usize].push(voxel);
+            self.open_count += 1;
         }
-        self.buckets[bucket].push(voxel);
     }
 
     /// Solution of Σ (d − dᵢ)₊² = 1 over the axes, dᵢ the smaller distance of the two neighbours along axis i.
@@ -125,8 +148,8 @@ impl Front {
 }
 
 #[inline]
-fn index(distance: f32, start: f32) -> usize {
-    ((distance - start) / BUCKET) as usize
+fn index(distance: f32, start: f32) -> u64 {
+    ((distance - start) / BUCKET) as u64
 }
 
 #[cfg(test)]

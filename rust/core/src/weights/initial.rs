@@ -9,6 +9,9 @@ const LEAST_STRENGTH: f64 = 1e-3;
 
 /// Shortest length of diffusion, in voxels: steps of the voxels do not show.
 const LEAST_LENGTH: f64 = 1.0;
+/// Longest: several times the finest lattice. Where bones are farther, weights are as good as even over the whole skin, and
+/// longer lengths would only cost digits.
+const LONGEST_LENGTH: f64 = 1e4;
 /// Terms of the series for `own_length`; half of the last one is its error.
 const TERMS: u32 = 1000;
 
@@ -18,7 +21,7 @@ const TERMS: u32 = 1000;
 pub fn length_left(smoothing: f64, own: f64, nearest: f32, depth: f32) -> f64 {
     let (nearest, depth) = (f64::from(nearest), f64::from(depth));
     let (whole, own) = (smoothing * 0.5 * (depth + nearest), own * nearest);
-    (whole * whole - own * own).max(LEAST_LENGTH * LEAST_LENGTH).sqrt()
+    (whole * whole - own * own).max(LEAST_LENGTH * LEAST_LENGTH).sqrt().min(LONGEST_LENGTH)
 }
 
 /// Length of the diffusion that would turn a step into the weights of two bones in line, at distance 1 from both: half of the

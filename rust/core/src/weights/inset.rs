@@ -17,6 +17,8 @@ use crate::csr::Csr;
 const PROBE: f64 = 1.5;
 /// Steps of the way through the flesh, in voxels.
 const STEP: f64 = 0.5;
+/// By which part steps grow beyond the diagonal of the lattice.
+const GROWTH: f64 = 0.25;
 /// Part of a shell's area, and of the angle about a point, by which faces must agree on the side where the flesh is.
 const AGREEMENT: f64 = 0.1;
 /// What a face with flesh on both sides has to say where an edge has more than two faces, against one with flesh on one.
@@ -93,19 +95,21 @@ fn depth(voxels: &Voxels, viewer: u32, nearest: &[f32], start: (DVec3, f64), alo
     let (from, mut to_bone) = start;
     let (mut way, mut depth) = (0.0, 0.0);
     loop {
-        let next = depth + STEP;
+        // No way is longer than the lattice, but for one that is on no side of its skin and leads nowhere.
+        let step = STEP.max(GROWTH * (depth - voxels.diagonal()));
+        let next = depth + step;
         while way < 2.0 * next {
-            way += STEP;
+            way += step;
             // The skin lies up to a voxel beside the solid.
             if way > 1.0 && !voxels.is_flesh(from + way * along, viewer) {
-                way -= STEP;
+                way -= step;
                 break;
             }
         }
         let found = distance_at(voxels, viewer, nearest, from + next * along).unwrap_or(to_bone);
         // From positive to negative: how much nearer the skin is than a bone.
         let (before, after) = (to_bone - depth, found - next);
-        let reached = if after <= 0.0 { depth + STEP * (before / (before - after)).clamp(0.0, 1.0) } else { next };
+        let reached = if after <= 0.0 { depth + step * (before / (before - after)).clamp(0.0, 1.0) } else { next };
         if after <= 0.0 || way < 2.0 * next {
             return reached.min(0.5 * way);
         }

@@ -8,6 +8,9 @@ const MARGIN: f64 = 0.37;
 /// and where a flat surface lies exactly on voxel centres rounding would decide.
 const TRIM: f64 = 0.381_966_011_250_105;
 
+/// Bodies smaller than this are points: far places would be beyond all numbers of their voxels.
+const LEAST_SIDE: f64 = 1e-30;
+
 /// A plane of mirror symmetry.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane {
@@ -80,7 +83,7 @@ impl Lattice {
     pub fn new(extent: &Extent, resolution: f64) -> Self {
         let sides = extent.high - extent.low;
         let longest = sides.max_element();
-        let size = if longest > 0.0 { longest / (resolution - TRIM) } else { 1.0 };
+        let size = if longest > LEAST_SIDE { longest / (resolution - TRIM) } else { 1.0 };
         let dims = sides.to_array().map(|side| 2 * (0.5 * (side / size) + MARGIN).ceil().max(1.0) as usize);
         let half = DVec3::from_array(dims.map(|count| count as f64)) * (0.5 * size);
         Self { low: 0.5 * (extent.low + extent.high) - half, size, dims }

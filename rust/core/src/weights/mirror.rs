@@ -1,10 +1,10 @@
 //! Both sides alike: which points and bones are each other's mirror image.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::lattice::{Extent, Plane};
+use crate::nearness::PointTree;
 
 /// How far an image may be from its partner, as a part of the diagonal.
 const TOLERANCE: f64 = 1e-4;
@@ -12,23 +12,9 @@ const TOLERANCE: f64 = 1e-4;
 /// Per point its partner; None where no other lies at its image. Partners are mutual, a point of the plane is its own.
 pub fn partners(points: &[DVec3], plane: &Plane) -> Vec<Option<u32>> {
     let tolerance = Extent::of(points.iter().copied()).map_or(0.0, |extent| extent.diagonal()) * TOLERANCE;
-    let cell = |p: DVec3| (p / tolerance.max(f64::MIN_POSITIVE)).floor().to_array().map(|x| x as i64);
-    let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
-    for (index, &p) in points.iter().enumerate() {
-        cells.entry(cell(p)).or_default().push(index as u32);
-    }
-    let closest = |index: usize| {
-        let image = plane.mirrored(points[index]);
-        let [x, y, z] = cell(image);
-        let around = (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [x + i, y + j, z + k])));
-        around
-            .flat_map(|key| cells.get(&key).into_iter().flatten().copied())
-            .map(|other| (points[other as usize].distance(image), other))
-            .filter(|(distance, _)| *distance <= tolerance)
-            .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
-            .map(|(_, other)| other)
-    };
-    mutual(&(0..points.len()).map(closest).collect::<Vec<_>>())
+    let tree = PointTree::new(points, (0..points.len() as u32).collect());
+    let closest = |p: &DVec3| tree.nearest(plane.mirrored(*p), tolerance);
+    mutual(&points.par_iter().map(closest).collect::<Vec<_>>())
 }
 
 /// Bones by their ends, where the caller does not say.

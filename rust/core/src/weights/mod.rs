@@ -113,7 +113,8 @@ pub struct Weights {
 /// `progress` is told the part that is done and returns false to cancel.
 ///
 /// # Errors
-/// Arrays of wrong length or with values that are not finite or out of range; no bone that is not locked; cancelled.
+/// Arrays of wrong length or with values that are not finite or out of range; no bone that is not locked; more voxels than fit
+/// into memory; cancelled.
 pub fn automatic_weights(
     surfaces: &[Surface],
     bones: &Bones,
@@ -133,7 +134,7 @@ pub fn automatic_weights(
     step(0.0, 0.0, 0.0)?;
     let segments: Vec<[DVec3; 2]> = free.iter().map(|&b| [bones.heads[b as usize], bones.tails[b as usize]]).collect();
     let count = skin.points.len();
-    let solid = Solid::new(&skin, bones, &segments, settings.resolution, settings.symmetry.as_ref().map(|s| &s.plane));
+    let solid = Solid::new(&skin, bones, &segments, settings.resolution, settings.symmetry.as_ref().map(|s| &s.plane))?;
     step(0.0, 0.1, 1.0)?;
 
     let Distances { mut columns, depths, is_reached, memory_bytes } = if let Some(solid) = &solid {
@@ -144,7 +145,7 @@ pub fn automatic_weights(
         Distances::inside(solid, &skin, &numbered, initial::range(settings.falloff) * spread, |part| step(0.1, 0.7, part))?
     } else {
         let unit = Extent::of(segments.iter().flatten().copied()).map_or(1.0, |e| e.diagonal() / 128.0);
-        Distances::straight(&skin.points, &segments, skin.is_solid.len(), if unit > 0.0 { unit } else { 1.0 })
+        Distances::straight(&skin.points, &segments, skin.is_solid.len(), if unit > 0.0 { unit } else { 1.0 })?
     };
     let stiffness: Vec<f64> = free.iter().map(|&b| bones.stiffness.map_or(1.0, |s| s[b as usize])).collect();
     let nearest = initial::weights_from_distances(&mut columns, count, &stiffness, settings.falloff);

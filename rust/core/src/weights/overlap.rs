@@ -41,7 +41,7 @@ impl Scene<'_> {
     /// Two shells that touch, with the voxels of both, sorted; None where they are one as they stand.
     pub fn passing(&self, shells: [u32; 2], both: &[u32]) -> Option<Passing> {
         let classes = self.classes(shells)?;
-        let Tracks { places, bones, ties } = self.tracks;
+        let Tracks { places, bones, ties, .. } = self.tracks;
         let mut runs = UnionFind::new(places.len());
         for &[i, j] in ties {
             if classes[i as usize] == BETWEEN && classes[j as usize] == BETWEEN {
@@ -92,7 +92,7 @@ impl Scene<'_> {
 
     /// Per sample where it is; None if not both shells have bones of their own.
     fn classes(&self, shells: [u32; 2]) -> Option<Vec<u8>> {
-        let Tracks { bones, ties, .. } = self.tracks;
+        let Tracks { bones, ties, counts, .. } = self.tracks;
         let has = |voxel: u32, shell: u32| voxel != NONE && self.shells_of_voxel.row(voxel as usize).contains(&shell);
         let class = |&voxel: &u32| match shells.map(|shell| has(voxel, shell)) {
             [true, false] => FIRST,
@@ -110,14 +110,12 @@ impl Scene<'_> {
                 runs.join(i, j);
             }
         }
-        let mut lengths = vec![0usize; bones.iter().filter(|&&b| b != NO_BONE).max().map_or(0, |&b| b as usize + 1)];
         let mut sizes = vec![0usize; classes.len()];
         let mut pieces: Vec<(u32, u32)> = Vec::new();
         for (sample, &bone) in bones.iter().enumerate() {
             let run = runs.find(sample as u32);
             sizes[run as usize] += 1;
             if bone != NO_BONE {
-                lengths[bone as usize] += 1;
                 pieces.push((run, bone));
             }
         }
@@ -125,7 +123,7 @@ impl Scene<'_> {
         let mut is_own = vec![false; classes.len()];
         for piece in pieces.chunk_by(|a, b| a == b) {
             let (run, bone) = piece[0];
-            is_own[run as usize] |= piece.len() as f64 >= OWN * lengths[bone as usize] as f64;
+            is_own[run as usize] |= piece.len() as f64 >= OWN * counts[bone as usize];
         }
         for (sample, class) in classes.iter_mut().enumerate() {
             let run = runs.find(sample as u32) as usize;

@@ -23,6 +23,15 @@ pub fn cut(corners: &[DVec3]) -> Cut {
     if (0..corners.len()).all(|i| side(i).dot(area) >= 0.0) { Cut::Fan(mean) } else { Cut::Ears(ears(corners)) }
 }
 
+/// Whether a corner may be cut off.
+enum State {
+    /// The squared length of the cut.
+    Ear(f64),
+    /// The first corner that the cut would leave behind.
+    Blocked(usize),
+    Reflex,
+}
+
 /// Cuts off, one after the other, the corner whose cut is shortest among those that leave no corner behind, the first one
 /// of those alike: a mirrored face is cut alike.
 pub(crate) fn ears(corners: &[DVec3]) -> Vec<[usize; 3]> {
@@ -32,25 +41,41 @@ pub(crate) fn ears(corners: &[DVec3]) -> Vec<[usize; 3]> {
     let mut triangles = Vec::with_capacity(corners.len() - 2);
     // Corners in a row are on the line, whatever rounding says.
     let slack = TIE * area.length_squared();
-    while left.len() > 3 {
+    let state_of = |i: usize, left: &[usize]| {
         let count = left.len();
         let at = |i: usize| left[i % count];
-        let length = |i: usize| corners[at(i + count - 1)].distance_squared(corners[at(i + 1)]);
-        let is_ear = |&i: &usize| {
-            let [a, b, c] = [at(i + count - 1), at(i), at(i + 1)].map(|k| corners[k]);
-            let inside = |p: DVec3| [(a, b), (b, c), (c, a)].iter().all(|(from, to)| (*to - *from).cross(p - *from).dot(area) >= -slack);
-            let others = (i + 2..i + count - 1).map(|k| corners[at(k)]);
-            (b - a).cross(c - b).dot(area) > slack && !others.into_iter().any(|p| p != a && p != c && inside(p))
-        };
-        let mut candidates: Vec<usize> = (0..count).filter(is_ear).collect();
-        if candidates.is_empty() {
-            // A face that crosses itself may have no ear left: any corner ends it.
-            candidates = (0..count).collect();
+        let [a, b, c] = [at(i + count - 1), at(i), at(i + 1)].map(|k| corners[k]);
+        if (b - a).cross(c - b).dot(area) <= slack {
+            return State::Reflex;
         }
-        let shortest = candidates.iter().map(|&i| length(i)).fold(f64::INFINITY, f64::min);
-        let ear = candidates.into_iter().find(|&i| length(i) <= shortest * (1.0 + TIE)).unwrap_or(0);
-        triangles.push([at(ear + count - 1), at(ear), at(ear + 1)]);
-        left.remove(ear);
+        let inside = |p: DVec3| [(a, b), (b, c), (c, a)].iter().all(|(from, to)| (*to - *from).cross(p - *from).dot(area) >= -slack);
+        let mut others = (i + 2..i + count - 1).map(at);
+        let behind = others.find(|&k| corners[k] != a && corners[k] != c && inside(corners[k]));
+        behind.map_or(State::Ear(a.distance_squared(c)), State::Blocked)
+    };
+    // What is told of a corner holds until a neighbour of it goes, or the corner that its cut would leave behind.
+    let mut states: Vec<State> = (0..left.len()).map(|i| state_of(i, &left)).collect();
+    while left.len() > 3 {
+        let count = left.len();
+        let length = |state: &State| if let State::Ear(length) = state { *length } else { f64::INFINITY };
+        let mut shortest = states.iter().map(length).fold(f64::INFINITY, f64::min);
+        let mut ear = states.iter().position(|state| length(state) <= shortest * (1.0 + TIE) && matches!(state, State::Ear(_)));
+        if ear.is_none() {
+            // A face that crosses itself may have no ear left: any corner ends it.
+            let length = |i: usize| corners[left[(i + count - 1) % count]].distance_squared(corners[left[(i + 1) % count]]);
+            shortest = (0..count).map(length).fold(f64::INFINITY, f64::min);
+            ear = (0..count).find(|&i| length(i) <= shortest * (1.0 + TIE));
+        }
+        let ear = ear.unwrap_or(0);
+        triangles.push([left[(ear + count - 1) % count], left[ear], left[(ear + 1) % count]]);
+        let gone = left.remove(ear);
+        states.remove(ear);
+        for i in 0..left.len() {
+            let is_beside = i == ear % left.len() || (i + 1) % left.len() == ear % left.len();
+            if is_beside || matches!(states[i], State::Blocked(behind) if behind == gone) {
+                states[i] = state_of(i, &left);
+            }
+        }
     }
     triangles.push([left[0], left[1], left[2]]);
     flip_to_delaunay(corners, &mut triangles);

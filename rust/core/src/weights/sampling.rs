@@ -3,6 +3,9 @@
 //! A place sees the voxels that are at most one voxel farther than its nearest one, with weights that fall smoothly to 0
 //! there: it is defined everywhere, also outside of the solid, where it follows the nearest surface.
 
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -122,13 +125,11 @@ impl<'a> Sampler<'a> {
     /// Voxels that may be at most `REACH` farther than the nearest one, wherever that is.
     fn search(&self, p: DVec3, viewer: u32) -> Vec<(u32, f64)> {
         let to_block = |low: DVec3| p.distance(p.clamp(low + 0.5, low + (f64::from(BLOCK) - 0.5)));
-        let mut order: Vec<(f64, usize)> = self.blocks.iter().enumerate().map(|(i, block)| (to_block(block.0), i)).collect();
-        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        // Few are looked at: no need to sort the rest. Numbers of 0 and more are in the order of their bits.
+        let mut ahead: BinaryHeap<Reverse<(u64, usize)>> =
+            self.blocks.iter().enumerate().map(|(i, block)| Reverse((to_block(block.0).to_bits(), i))).collect();
         let (mut least, mut seen) = (f64::INFINITY, Vec::new());
-        for (distance, block) in order {
-            if distance > least + REACH {
-                break;
-            }
+        while let Some(Reverse((_, block))) = ahead.pop().filter(|next| f64::from_bits(next.0.0) <= least + REACH) {
             for &voxel in self.blocks[block].1.iter().filter(|&&voxel| self.voxels.is_seen(voxel, viewer)) {
                 let distance = self.voxels.centre(voxel).distance(p);
                 if distance < least + REACH {

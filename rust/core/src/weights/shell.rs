@@ -11,6 +11,10 @@ use rayon::prelude::*;
 
 use super::crossings::{Crossing, Crossings, Window, across};
 
+/// Cells of all shells, and so solid voxels: each takes about a hundred bytes.
+pub const MOST_CELLS: usize = 1 << 24;
+/// Crossings of one shell: each takes forty bytes.
+const MOST_CROSSINGS: f64 = 16e6;
 /// Rays that vote.
 const RAYS: i32 = 6;
 /// A surface so near to the border of a cell lies on it.
@@ -19,11 +23,18 @@ const BORDER: f64 = 1e-6;
 const SLAB: usize = 16;
 
 /// Cells of the lattice, sorted, that belong to a shell of triangles in voxels: those with their centre inside, and those
-/// that the surface passes where the shell is too thin for that.
-pub fn shell_cells(dims: [usize; 3], triangles: &[[DVec3; 3]]) -> Vec<u32> {
-    let Some(window) = window_of(dims, triangles) else { return Vec::new() };
+/// that the surface passes where the shell is too thin for that. None where there would be more than `MOST_CELLS`, or the
+/// surface is folded up so much that lines cross it more often than `MOST_CROSSINGS`.
+pub fn shell_cells(dims: [usize; 3], triangles: &[[DVec3; 3]]) -> Option<Vec<u32>> {
+    let Some(window) = window_of(dims, triangles) else { return Some(Vec::new()) };
+    if triangles.iter().map(crossings_about).sum::<f64>() > MOST_CROSSINGS {
+        return None;
+    }
     let lines: [Crossings; 3] = std::array::from_fn(|axis| Crossings::new(axis, &window, triangles));
     let inside = Bits::inside(&window, &lines);
+    if inside.count() > MOST_CELLS {
+        return None;
+    }
     let mut cells: Vec<[usize; 3]> = inside.cells();
     cells.extend(thin_cells(&window, &lines, &inside));
     let index = |c: [usize; 3]| {
@@ -33,7 +44,14 @@ pub fn shell_cells(dims: [usize; 3], triangles: &[[DVec3; 3]]) -> Vec<u32> {
     let mut cells: Vec<u32> = cells.into_iter().map(index).collect();
     cells.sort_unstable();
     cells.dedup();
-    cells
+    Some(cells)
+}
+
+/// About how many lines through voxel centres, along all axes, cross a triangle, and how many rows of them are looked at.
+fn crossings_about(corners: &[DVec3; 3]) -> f64 {
+    let [a, b, c] = *corners;
+    let sides = a.max(b).max(c) - a.min(b).min(c);
+    0.5 * (b - a).cross(c - a).abs().element_sum() + sides.element_sum()
 }
 
 /// The voxels that a shell may touch; None when it lies beside the lattice.
@@ -80,6 +98,10 @@ impl Bits {
     fn has(&self, [x, y, z]: [usize; 3]) -> bool {
         let cell = y * self.dims[0] + x;
         self.words[z * self.words_per_slice + cell / 64] >> (cell % 64) & 1 == 1
+    }
+
+    fn count(&self) -> usize {
+        self.words.iter().map(|word| word.count_ones() as usize).sum()
     }
 
     fn cells(&self) -> Vec<[usize; 3]> {

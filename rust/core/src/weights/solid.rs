@@ -7,10 +7,11 @@ use super::Bones;
 use super::lattice::{Extent, Lattice, Plane};
 use super::polygons::{Cut, cut};
 use super::sheets;
-use super::shell::shell_cells;
+use super::shell::{MOST_CELLS, shell_cells};
 use super::skin::Skin;
 use super::tracks::Tracks;
 use super::voxels::Voxels;
+use crate::error::{Error, Result};
 
 /// Resolution at which the body is measured before its own is chosen.
 const COARSE: f64 = 64.0;
@@ -18,6 +19,10 @@ const COARSE: f64 = 64.0;
 const TARGET_COUNT: f64 = 100_000.0;
 /// Automatic resolutions: voxels along the longest side.
 const AUTOMATIC: std::ops::RangeInclusive<f64> = 32.0..=512.0;
+/// Resolution below which nothing is told apart any more.
+const COARSEST: f64 = 8.0;
+/// Shells whose voxels are found before they are counted.
+const SHELLS: usize = 256;
 /// Cells of the lattice, solid or not, that an automatic resolution may take: 8 MB of bits.
 const CELLS_MAX: f64 = 64e6;
 /// Shells farther from the bones than this part of the bones' diagonal do not stretch the lattice: a stray triangle at the
@@ -37,7 +42,16 @@ pub struct Solid {
 impl Solid {
     /// `resolution` in voxels along the longest side, or chosen; None when nothing of the skin is solid. `free` are those of
     /// the bones that give weights.
-    pub fn new(skin: &Skin, bones: &Bones, free: &[[DVec3; 2]], resolution: Option<usize>, plane: Option<&Plane>) -> Option<Self> {
+    ///
+    /// # Errors
+    /// More voxels than fit into memory.
+    pub fn new(
+        skin: &Skin,
+        bones: &Bones,
+        free: &[[DVec3; 2]],
+        resolution: Option<usize>,
+        plane: Option<&Plane>,
+    ) -> Result<Option<Self>> {
         let faces_of_shell = skin.faces_of_shell();
         let extent_of = |shell: usize| {
             let corners = faces_of_shell.row(shell).iter().flat_map(|&face| skin.faces.row(face as usize));
@@ -53,29 +67,42 @@ impl Solid {
         if near.is_empty() {
             near = shells;
         }
-        let extent = near.iter().map(|shell| shell.1).reduce(|a, b| a.joined(&b))?;
+        let Some(extent) = near.iter().map(|shell| shell.1).reduce(|a, b| a.joined(&b)) else { return Ok(None) };
         let extent = plane.map_or(extent, |plane| extent.mirrored_about(plane));
         let near: Vec<u32> = near.into_iter().map(|shell| shell.0).collect();
-        let build = |lattice: &Lattice| {
+        let build = |resolution: f64| {
+            let lattice = Lattice::new(&extent, resolution);
             let points: Vec<DVec3> = skin.points.iter().map(|&p| lattice.in_voxels(p)).collect();
-            let cells: Vec<Vec<u32>> = near
-                .par_iter()
-                .map(|&shell| shell_cells(lattice.dims, &triangles(skin, &points, faces_of_shell.row(shell as usize))))
-                .collect();
-            (points, cells)
+            let cells_of = |&shell: &u32| shell_cells(lattice.dims, &triangles(skin, &points, faces_of_shell.row(shell as usize)));
+            let mut lists = Vec::with_capacity(near.len());
+            let mut count = 0;
+            for some in near.chunks(SHELLS) {
+                let found: Vec<Vec<u32>> = some.par_iter().map(cells_of).collect::<Option<_>>()?;
+                count += found.iter().map(Vec::len).sum::<usize>();
+                if count > MOST_CELLS {
+                    return None;
+                }
+                lists.extend(found);
+            }
+            Some((lattice, points, lists))
         };
-        let resolution = resolution.map_or_else(|| automatic(&extent, |lattice| build(lattice).1), |r| r as f64);
-        let lattice = Lattice::new(&extent, resolution);
-        let (points, lists) = build(&lattice);
+        let built = match resolution {
+            Some(resolution) => build(resolution as f64),
+            // A skin that is folded up beyond measure is divided less finely than it should be.
+            None => halves(automatic(&extent, |resolution| Some(build(resolution)?.2))).find_map(build),
+        };
+        let Some((lattice, points, lists)) = built else {
+            return Err(Error::TooManyVoxels { resolution: resolution.unwrap_or(COARSEST as usize) });
+        };
         let mut voxels = Voxels::new(lattice.dims, &lists);
         let mut cells_of_shell = vec![Vec::new(); skin.is_solid.len()];
         for (&shell, cells) in near.iter().zip(lists) {
             cells_of_shell[shell as usize] = cells;
         }
         let ends = bones.heads.iter().zip(bones.tails).map(|(&head, &tail)| [head, tail].map(|p| lattice.in_voxels(p)));
-        let tracks = Tracks::new(&ends.collect::<Vec<_>>(), bones.parents);
+        let tracks = Tracks::new(lattice.dims, &ends.collect::<Vec<_>>(), bones.parents);
         sheets::divide(&mut voxels, &cells_of_shell, &tracks, bones.heads.len());
-        (!voxels.is_empty()).then_some(Self { lattice, voxels, points, cells_of_shell })
+        Ok((!voxels.is_empty()).then_some(Self { lattice, voxels, points, cells_of_shell }))
     }
 
     /// Whether a place is in a voxel of a shell; where that is not of the body, in one of the body.
@@ -105,14 +132,20 @@ impl Solid {
 }
 
 /// The resolution with about `TARGET_COUNT` solid voxels: long thin bodies get more along their length.
-fn automatic(extent: &Extent, cells: impl Fn(&Lattice) -> Vec<Vec<u32>>) -> f64 {
-    let mut solid: Vec<u32> = cells(&Lattice::new(extent, COARSE)).concat();
+fn automatic(extent: &Extent, cells: impl Fn(f64) -> Option<Vec<Vec<u32>>>) -> f64 {
+    let Some((coarse, lists)) = halves(COARSE).find_map(|resolution| Some((resolution, cells(resolution)?))) else { return COARSEST };
+    let mut solid: Vec<u32> = lists.concat();
     solid.sort_unstable();
     solid.dedup();
-    let wanted = COARSE * (TARGET_COUNT / solid.len().max(1) as f64).cbrt();
+    let wanted = coarse * (TARGET_COUNT / solid.len().max(1) as f64).cbrt();
     let wanted = wanted.clamp(*AUTOMATIC.start(), *AUTOMATIC.end());
     let cell_count = Lattice::new(extent, wanted).cell_count() as f64;
     (wanted * (CELLS_MAX / cell_count).cbrt().min(1.0)).round()
+}
+
+/// A resolution, half of it and so on, down to the coarsest.
+fn halves(resolution: f64) -> impl Iterator<Item = f64> {
+    std::iter::successors(Some(resolution), |&r| (r > COARSEST).then(|| (0.5 * r).max(COARSEST)))
 }
 
 /// Faces as triangles; quads as fans about their mean, like round polygons.

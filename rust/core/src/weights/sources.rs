@@ -7,8 +7,13 @@ use super::voxels::{NONE, Voxels, step_to};
 /// Distance beyond the nearest voxel up to which all voxels are seen. Below two voxels less the way to the nearest one: a
 /// bone does not reach across a gap of two voxels.
 const CONTACT: f64 = 1.0;
-/// Crossings of a line with borders of cells that are no farther apart than this are one, through an edge or a corner.
+/// Crossings of a line with borders of cells that are no farther apart than this part of the line are one, through an edge
+/// or a corner…
 const TIE: f64 = 1e-9;
+/// …and no farther than this part of a voxel, on lines to bones far away.
+const TIE_IN_VOXELS: f64 = 1e-4;
+/// Bones are no farther than this, in voxels: products with any range are numbers of single precision.
+pub const FARTHEST: f64 = 1e20;
 
 /// Closest point of a segment.
 #[inline]
@@ -22,7 +27,7 @@ pub fn closest_on_segment(head: DVec3, tail: DVec3, p: DVec3) -> DVec3 {
 /// Straight distance to a segment.
 #[inline]
 pub fn straight_distance([head, tail]: [DVec3; 2], p: DVec3) -> f64 {
-    p.distance(closest_on_segment(head, tail, p))
+    p.distance(closest_on_segment(head, tail, p)).min(FARTHEST)
 }
 
 /// One bone.
@@ -82,6 +87,7 @@ fn is_seen(voxels: &Voxels, bone: &Source, voxel: u32, last_part: f64) -> bool {
     let way = (closest_on_segment(head, tail, centre) - centre).to_array();
     let mut cell = voxels.cells[voxel as usize].map(i64::from);
     let each = way.map(|w| 1.0 / w.abs());
+    let tie = TIE.min(TIE_IN_VOXELS * each[0].min(each[1]).min(each[2]));
     // Parts of the way at which it enters the next cell along each axis.
     let mut next = each.map(|e| 0.5 * e);
     loop {
@@ -91,7 +97,7 @@ fn is_seen(voxels: &Voxels, bone: &Source, voxel: u32, last_part: f64) -> bool {
         }
         let mut step = [0; 3];
         for axis in 0..3 {
-            if next[axis] <= first + TIE {
+            if next[axis] <= first + tie {
                 step[axis] = if way[axis] > 0.0 { 1 } else { -1 };
                 cell[axis] += step[axis];
                 next[axis] += each[axis];

@@ -8,8 +8,10 @@ use super::sources::closest_on_segment;
 pub const NO_BONE: u32 = u32::MAX;
 /// From sample to sample, in voxels: no voxel is passed over.
 const STEP: f64 = 0.5;
-/// Samples of one bone: more than cross the finest lattice.
+/// Steps of one bone: more than cross the finest lattice. Longer ones are sampled in and about the lattice only.
 const MOST: f64 = 4096.0;
+/// Room about the lattice where long bones are sampled too, in voxels: more samples than a gap may have.
+const ROOM: f64 = 8.0;
 /// Ends closer than this part of the longer bone are one joint.
 const SAME: f64 = 1e-3;
 
@@ -21,18 +23,22 @@ pub struct Tracks {
     pub bones: Vec<u32>,
     /// Neighbouring samples.
     pub ties: Vec<[u32; 2]>,
+    /// Per bone, how many samples all of it has, also where it is too long for them to be here.
+    pub counts: Vec<f64>,
 }
 
 impl Tracks {
-    /// `bones` in voxels. Bones are tied to their parents, and where they share an end.
-    pub fn new(bones: &[[DVec3; 2]], parents: Option<&[i32]>) -> Self {
-        let mut tracks = Self { places: Vec::new(), bones: Vec::new(), ties: Vec::new() };
-        let ranges: Vec<[u32; 2]> = bones.iter().enumerate().map(|(bone, &ends)| tracks.add(ends, bone as u32)).collect();
+    /// `bones` in voxels of a lattice of `dims`. Bones are tied to their parents, and where they share an end.
+    pub fn new(dims: [usize; 3], bones: &[[DVec3; 2]], parents: Option<&[i32]>) -> Self {
+        let end = DVec3::from_array(dims.map(|d| d as f64));
+        let counts = bones.iter().map(|&[head, tail]| steps(head, tail) + 1.0).collect();
+        let mut tracks = Self { places: Vec::new(), bones: Vec::new(), ties: Vec::new(), counts };
+        let ranges: Vec<[u32; 2]> = bones.iter().enumerate().map(|(bone, &ends)| tracks.add(end, ends, bone as u32)).collect();
         for (child, &parent) in parents.into_iter().flatten().enumerate() {
             let Ok(parent) = usize::try_from(parent) else { continue };
             let head = bones[child][0];
             let from = closest_on_segment(bones[parent][0], bones[parent][1], head);
-            let way = tracks.add([from, head], NO_BONE);
+            let way = tracks.add(end, [from, head], NO_BONE);
             let nearest = (ranges[parent][0]..=ranges[parent][1])
                 .min_by(|&i, &j| tracks.places[i as usize].distance(from).total_cmp(&tracks.places[j as usize].distance(from)));
             tracks.ties.extend([[nearest.unwrap_or(ranges[parent][0]), way[0]], [way[1], ranges[child][0]]]);
@@ -50,16 +56,46 @@ impl Tracks {
         tracks
     }
 
-    /// Adds one straight piece; its first and last sample.
-    fn add(&mut self, [from, to]: [DVec3; 2], bone: u32) -> [u32; 2] {
-        let steps = (from.distance(to) / STEP).ceil().clamp(1.0, MOST);
+    /// Adds one straight piece; its first and last sample. `end`: the far corner of the lattice.
+    fn add(&mut self, end: DVec3, [from, to]: [DVec3; 2], bone: u32) -> [u32; 2] {
+        let steps = steps(from, to);
         let first = self.places.len() as u32;
-        for step in 0..=steps as u32 {
-            self.places.push(from.lerp(to, f64::from(step) / steps));
-            self.bones.push(bone);
+        if steps <= MOST {
+            self.places.extend((0..=steps as u32).map(|step| from.lerp(to, f64::from(step) / steps)));
+        } else {
+            self.places.push(from);
+            if let Some([enters, leaves]) = within(DVec3::splat(-ROOM), end + ROOM, from, to) {
+                let steps = (steps * (leaves - enters)).ceil().clamp(1.0, MOST);
+                let places = (0..=steps as u32).map(|step| from.lerp(to, enters + (leaves - enters) * f64::from(step) / steps));
+                self.places.extend(places);
+            }
+            self.places.push(to);
         }
+        self.bones.resize(self.places.len(), bone);
         let last = self.places.len() as u32 - 1;
         self.ties.extend((first..last).map(|i| [i, i + 1]));
         [first, last]
     }
+}
+
+fn steps(from: DVec3, to: DVec3) -> f64 {
+    (from.distance(to) / STEP).ceil().max(1.0)
+}
+
+/// Parts of the way from a place to another at which it enters a box and leaves it; None where it passes it by.
+fn within(low: DVec3, high: DVec3, from: DVec3, to: DVec3) -> Option<[f64; 2]> {
+    let (mut enters, mut leaves) = (0.0f64, 1.0f64);
+    for axis in 0..3 {
+        let (start, way) = (from[axis], to[axis] - from[axis]);
+        if way == 0.0 {
+            if start < low[axis] || start > high[axis] {
+                return None;
+            }
+            continue;
+        }
+        let (a, b) = ((low[axis] - start) / way, (high[axis] - start) / way);
+        enters = enters.max(a.min(b));
+        leaves = leaves.min(a.max(b));
+    }
+    (enters < leaves).then_some([enters, leaves])
 }

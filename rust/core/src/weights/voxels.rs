@@ -245,6 +245,12 @@ impl Voxels {
         DVec3::from_array(self.cells[voxel as usize].map(f64::from)) + 0.5
     }
 
+    /// Of the lattice, in voxels.
+    #[inline]
+    pub fn diagonal(&self) -> f64 {
+        DVec3::from_array(self.dims.map(|d| d as f64)).length()
+    }
+
     /// Number of solid voxels.
     pub fn len(&self) -> usize {
         self.cells.len()
