@@ -4,20 +4,21 @@ use std::sync::{Arc, OnceLock};
 
 use glam::{DAffine3, DVec3};
 
-use crate::csr::Csr;
 use crate::error::{Error, Result};
-use crate::joint::Joint;
-use crate::lanes::{self, V4};
-use crate::motions::Motions;
-use crate::patches::{NO_SLOT, Patches};
-use crate::repair::Skin;
-use crate::sites::Sites;
-use crate::skeleton::JointTree;
-use crate::skinning::{Influences, Skinning};
-use crate::supports::Supports;
-use crate::topology::{Component, Topology};
-use crate::volume::face_area_vector;
-use crate::volume_loss::{Anatomy, FaceJoints, LossPlan};
+use crate::fields::joint::Joint;
+use crate::fields::supports::Supports;
+use crate::folds::Skin;
+use crate::losses::job::{Anatomy, FaceJoints};
+use crate::losses::plan::LossPlan;
+use crate::numeric::csr::Csr;
+use crate::numeric::lanes::{self, V4};
+use crate::skinning::blend::{Influences, Skinning};
+use crate::skinning::joint_tree::JointTree;
+use crate::skinning::motions::Motions;
+use crate::skinning::sites::Sites;
+use crate::surface::patches::{NO_SLOT, Patches};
+use crate::surface::topology::{Component, Topology};
+use crate::surface::volume::face_area_vector;
 
 /// A mesh bound to its weights.
 pub(crate) struct Binding {

@@ -3,9 +3,9 @@
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use crate::crew::{self, locked};
 use crate::error::{Error, Result};
 use crate::frame::{Details, Needs, Pose, RefinementNeed, Workspace};
+use crate::parallel::crew::{self, locked};
 use crate::report::{FoldCounts, Report};
 use crate::volume_skin::VolumeSkin;
 use crate::workspaces::Workspaces;

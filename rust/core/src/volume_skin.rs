@@ -5,16 +5,16 @@ use std::sync::Arc;
 use glam::{DMat4, DVec3};
 
 use crate::binding::Binding;
-use crate::crew;
 use crate::error::{Error, Result, check_finite};
+use crate::fields::joint::Joint;
+use crate::fields::mask::Mask;
+use crate::fields::supports::Supports;
 use crate::frame::{Details, JointField, Needs, Pose, Workspace};
-use crate::joint::Joint;
-use crate::mask::Mask;
+use crate::parallel::crew;
+use crate::parallel::split::helpers_for;
 use crate::report::Report;
-use crate::skinning::{Skinning, check_object};
-use crate::split::helpers_for;
-use crate::supports::Supports;
-use crate::topology::Topology;
+use crate::skinning::blend::{Skinning, check_object};
+use crate::surface::topology::Topology;
 
 /// In which order joints give back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -2,8 +2,8 @@
 
 use std::sync::Mutex;
 
-use crate::crew::locked;
 use crate::frame::Workspace;
+use crate::parallel::crew::locked;
 use crate::volume_skin::VolumeSkin;
 
 /// Memory that buffers may take while nobody uses them; one set is kept whatever its size.

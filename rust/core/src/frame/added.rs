@@ -4,10 +4,10 @@ use glam::DVec3;
 
 use super::Workspace;
 use crate::binding::Binding;
-use crate::csr::Csr;
 use crate::error::{Error, LARGEST, Result, check_numbers};
-use crate::lanes::{self, V4};
-use crate::patches::NO_SLOT;
+use crate::numeric::csr::Csr;
+use crate::numeric::lanes::{self, V4};
+use crate::surface::patches::NO_SLOT;
 
 /// Offsets of vertices, armature space; empty where nothing is added.
 #[derive(Debug, Clone, Default)]

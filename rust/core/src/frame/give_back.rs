@@ -1,45 +1,18 @@
 //! All joints give back at once: sums over the gradient, how much of each field, displacements.
 
-use super::again::Again;
+use super::pass::Pass;
 use super::scratch::{Scratch, with_scratch};
 use super::{JobState, Workspace, in_single_precision, ragged};
 use crate::binding::Binding;
-use crate::block_rows::Held;
-use crate::correction::{Field, Hold};
-use crate::fields::{self, FieldRows, Move};
-use crate::heights;
-use crate::joint::Joint;
-use crate::lanes::{V4, add};
-use crate::split::{Ragged, for_each_piece};
-use crate::supports::Supports;
-use crate::sweeps::{Buffer, GRADIENT_PARTS};
-
-/// Which jobs a sum is for.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Pass<'a> {
-    /// All, with heights sampled anew.
-    All,
-    /// These, with heights as they are.
-    Some(&'a [usize]),
-    /// None: only the field of the whole shell.
-    Shell,
-    /// All of the components that are solved again, with heights as they are.
-    Again(&'a Again),
-}
-
-impl Pass<'_> {
-    fn concerns(self, job: usize) -> bool {
-        match self {
-            Self::All | Self::Again(_) => true,
-            Self::Shell => false,
-            Self::Some(jobs) => jobs.contains(&job),
-        }
-    }
-
-    pub(super) fn passes_over(self, component: u32) -> bool {
-        matches!(self, Self::Again(again) if !again.concerns[component as usize])
-    }
-}
+use crate::fields::field::{Field, Hold};
+use crate::fields::joint::Joint;
+use crate::fields::patch_sums::{self, FieldRows, Move};
+use crate::fields::profile_weights;
+use crate::fields::supports::Supports;
+use crate::numeric::block_rows::Held;
+use crate::numeric::lanes::{V4, add};
+use crate::parallel::split::{Ragged, for_each_piece};
+use crate::surface::sweeps::{Buffer, GRADIENT_PARTS};
 
 impl Workspace {
     /// Displacements by all fields at once, and the field of the residual: the same with every joint giving, none taking.
@@ -81,14 +54,14 @@ impl Workspace {
                     import_gradient(binding, index, sources, first, &mut gradient);
                     let gradient = gradient.map(|row| &*row);
                     let areas = &binding.inverse_areas[slots.clone()];
-                    fields::directions(gradient, areas, directions, volumes, lengths);
+                    patch_sums::directions(gradient, areas, directions, volumes, lengths);
                     if let Some(mask) = mask {
                         *unmasked = *volumes;
-                        fields::mask(&mask.of_slot[slots.clone()], directions, volumes, lengths);
+                        patch_sums::mask(&mask.of_slot[slots.clone()], directions, volumes, lengths);
                     }
                     let places = places.map(|row| &row[slots.clone()]);
                     let (all, _) = areas.as_chunks();
-                    sums[0].wide_hold = fields::sum_and_most(Held::first(all.len()), all, volumes, lengths).0;
+                    sums[0].wide_hold = patch_sums::sum_and_most(Held::first(all.len()), all, volumes, lengths).0;
                     for (support, hold) in supports.of_patch(index).zip(holds.values) {
                         let state = &jobs[support.job];
                         *hold = Hold::default();
@@ -99,16 +72,16 @@ impl Workspace {
                         let profiles =
                             settings[binding.plan.jobs[support.job].joint as usize].profiles.as_ref().filter(|_| state.frame.has_axes());
                         let bell = &mut bell[..weights.len()];
-                        let [all, round] = fields::bell_sums(support, places, &state.frame, volumes, lengths, bell);
+                        let [all, round] = patch_sums::bell_sums(support, places, &state.frame, volumes, lengths, bell);
                         if let (Pass::All, Some(profiles)) = (pass, profiles) {
-                            heights::drawn(support, places, &state.frame, profiles, &mut profiled.values[at.clone()]);
+                            profile_weights::drawn(support, places, &state.frame, profiles, &mut profiled.values[at.clone()]);
                         }
                         ((hold.all, hold.all_most), (hold.bell, hold.bell_most)) = (all, round);
-                        hold.unmasked = mask.map_or(hold.all, |_| fields::sum_and_most(held, weights, unmasked, lengths).0);
+                        hold.unmasked = mask.map_or(hold.all, |_| patch_sums::sum_and_most(held, weights, unmasked, lengths).0);
                         if state.frame.has_axes() {
                             let shape = if profiles.is_some() { &profiled.values[at] } else { &*bell };
                             let axes = state.frame.axes.map(|e| e.as_vec3().to_array());
-                            let along = fields::sums_along(held, shape, gradient, directions, axes);
+                            let along = patch_sums::sums_along(held, shape, gradient, directions, axes);
                             (hold.along, hold.along_most) = (along.map(|(sum, _)| sum), along.map(|(_, most)| most));
                         }
                     }
@@ -175,9 +148,9 @@ impl Workspace {
                 let areas = &binding.inverse_areas[slots.clone()];
                 let component = &components[patch.component as usize];
                 let Scratch { fields: FieldRows { directions, volumes, lengths, bell, .. }, sum, .. } = scratch;
-                fields::directions(gradient, areas, directions, volumes, lengths);
+                patch_sums::directions(gradient, areas, directions, volumes, lengths);
                 if let Some(mask) = mask {
-                    fields::mask(&mask.of_slot[slots.clone()], directions, volumes, lengths);
+                    patch_sums::mask(&mask.of_slot[slots.clone()], directions, volumes, lengths);
                 }
                 let is_wide = !matches!(pass, Pass::Some(_));
                 sum.start(areas.len());

@@ -2,17 +2,17 @@
 
 use fearless_simd::{Level, dispatch};
 
-use super::give_back::Pass;
+use super::pass::Pass;
 use super::skin::{keep_gradient, sweep_giants};
 use super::{JobState, Workspace, ragged, widened};
 use crate::binding::Binding;
-use crate::correction::Field;
-use crate::joint::Joint;
-use crate::lanes::{self, add};
-use crate::patches::PATCH_POINTS;
-use crate::split::{Ragged, for_each_piece};
-use crate::supports::Supports;
-use crate::sweeps::{self, Buffer};
+use crate::fields::field::Field;
+use crate::fields::joint::Joint;
+use crate::fields::supports::Supports;
+use crate::numeric::block_rows::PATCH_POINTS;
+use crate::numeric::lanes::{self, add};
+use crate::parallel::split::{Ragged, for_each_piece};
+use crate::surface::sweeps::{self, Buffer};
 
 impl Workspace {
     /// The paper's order: parents first, axis after axis, each on the mesh so far. The residual's field stays as `give_back` made it.

@@ -4,10 +4,10 @@ use glam::DVec3;
 
 use super::Workspace;
 use crate::binding::Binding;
-use crate::correction::{FieldFrame, axes_of_bend, axes_of_no_bend};
-use crate::heights;
-use crate::joint::Joint;
-use crate::supports::{Support, Supports};
+use crate::fields::field::{FieldFrame, axes_of_bend, axes_of_no_bend};
+use crate::fields::joint::Joint;
+use crate::fields::profile_weights;
+use crate::fields::supports::{Support, Supports};
 
 /// How one joint's field lies in object space, and how much of it each vertex has [MATH §3–4].
 #[derive(Debug, Clone, PartialEq)]
@@ -59,7 +59,7 @@ impl Workspace {
             let profiles = settings[joint].profiles.as_ref().filter(|_| frame.has_axes());
             let gamma = &mut gamma[slots];
             let drawn_part = if profiles.is_some() { frame.frame_part as f32 } else { 0.0 };
-            for (place, bell, drawn) in heights::of_points(support, places, frame, profiles) {
+            for (place, bell, drawn) in profile_weights::of_points(support, places, frame, profiles) {
                 let height = drawn * drawn_part + bell * (1.0 - drawn_part);
                 gamma[place] = height / areas[place] * mask.map_or(1.0, |mask| mask[place]);
             }

@@ -2,15 +2,16 @@
 //! repair of folds allocate what grows with the mesh.
 
 mod added;
-mod again;
 mod give_back;
 mod in_order;
 mod joint_field;
 mod offsets;
 mod one_direction;
+mod pass;
 mod refinement;
 mod repair;
 mod residual;
+mod restore;
 mod scratch;
 mod skin;
 mod targets;
@@ -26,23 +27,22 @@ pub use self::joint_field::JointField;
 pub use self::refinement::RefinementNeed;
 pub(crate) use self::refinement::{Details, Needs};
 use crate::binding::Binding;
-use crate::block_rows::Block;
-use crate::correction::{Field, FieldFrame, Hold};
 use crate::error::{Error, LARGEST, Result, check_numbers};
-use crate::fields::Move;
-use crate::joint::{FACTOR_MAX, Joint, check_strengths};
-use crate::lanes::{self, Four, V4, add_scaled};
-use crate::mask::Mask;
-use crate::motions::Motions;
-use crate::patches::LANES;
+use crate::fields::field::{Field, FieldFrame, Hold};
+use crate::fields::joint::{FACTOR_MAX, Joint, check_strengths};
+use crate::fields::mask::Mask;
+use crate::fields::patch_sums::Move;
+use crate::fields::supports::Supports;
+use crate::losses::closed_form::{FormBuffers, VolumeForms};
+use crate::losses::job::{Change, Moment};
+use crate::losses::staged::ROWS;
+use crate::numeric::block_rows::{Block, LANES};
+use crate::numeric::lanes::{self, Four, V4, add_scaled};
+use crate::parallel::split::Ragged;
 use crate::report::Report;
-use crate::skinning::{check_object, check_pose};
-use crate::split::Ragged;
-use crate::stages::ROWS;
-use crate::supports::Supports;
-use crate::volume::VolumeCubic;
-use crate::volume_forms::{FormBuffers, VolumeForms};
-use crate::volume_loss::{Change, Moment};
+use crate::skinning::blend::{check_object, check_pose};
+use crate::skinning::motions::Motions;
+use crate::surface::volume::VolumeCubic;
 
 /// One frame's input.
 #[derive(Debug, Clone, Copy)]

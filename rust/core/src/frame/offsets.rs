@@ -8,11 +8,10 @@ use glam::DVec3;
 
 use super::{ComponentState, Workspace};
 use crate::binding::Binding;
-use crate::fields::Move;
-use crate::lanes::{self, Four, larger};
-use crate::patches::LANES;
-use crate::skinning::columns;
-use crate::split::{Equal, for_each_piece};
+use crate::fields::patch_sums::Move;
+use crate::numeric::block_rows::LANES;
+use crate::numeric::lanes::{self, Four, columns, larger};
+use crate::parallel::split::{Equal, for_each_piece};
 
 /// Vertices that are written at a time.
 const CHUNK: usize = 512;

@@ -4,11 +4,11 @@
 
 use glam::{DMat3, DVec3};
 
-use super::give_back::Pass;
+use super::pass::Pass;
 use super::scratch::{Scratch, with_scratch};
 use super::{Workspace, in_single_precision};
 use crate::binding::Binding;
-use crate::fields::{self, Move};
+use crate::fields::patch_sums::{self, Move};
 
 impl Workspace {
     /// Instead of all fields, in components that need it: one step along the direction in which most can be done.
@@ -52,9 +52,9 @@ impl Workspace {
         let gradient = self.gradient.each_ref().map(|row| &row[slots.clone()]);
         let areas = &binding.inverse_areas[slots.clone()];
         with_scratch(|Scratch { fields: rows, .. }| {
-            fields::directions(gradient, areas, &mut rows.directions, &mut rows.volumes, &mut rows.lengths);
+            patch_sums::directions(gradient, areas, &mut rows.directions, &mut rows.volumes, &mut rows.lengths);
             if let Some(mask) = &self.mask {
-                fields::mask(&mask.of_slot[slots.clone()], &mut rows.directions, &mut rows.volumes, &mut rows.lengths);
+                patch_sums::mask(&mask.of_slot[slots.clone()], &mut rows.directions, &mut rows.volumes, &mut rows.lengths);
             }
             let at = |rows: [&[f32]; 3], i: usize| DVec3::from_array(rows.map(|row| f64::from(row[i])));
             let directions = rows.directions.each_ref().map(|row| &row[..]);

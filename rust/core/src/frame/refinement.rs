@@ -2,10 +2,10 @@
 
 use super::Workspace;
 use crate::binding::Binding;
-use crate::heights;
-use crate::joint::{Joint, Profiles};
-use crate::profile;
-use crate::supports::Supports;
+use crate::fields::joint::{Joint, Profiles};
+use crate::fields::profile;
+use crate::fields::profile_weights;
+use crate::fields::supports::Supports;
 
 /// From this part of its vicinity's volume on a loss counts in full, below it in proportion.
 const LOSS_IN_FULL: f64 = 0.02;
@@ -43,7 +43,8 @@ impl Details {
     pub fn new(settings: &[Joint]) -> Self {
         let fineness = |length: f64| (length * length).recip();
         let bell = fineness(profile::bell().chord_length(EDGE_ERROR));
-        let finest = |axes: &[crate::profile::Profile; 3]| axes.iter().map(|p| fineness(p.chord_length(EDGE_ERROR))).fold(0.0, f64::max);
+        let finest =
+            |axes: &[crate::fields::profile::Profile; 3]| axes.iter().map(|p| fineness(p.chord_length(EDGE_ERROR))).fold(0.0, f64::max);
         let detail = |joint: &Joint| {
             let Some(profiles) = &joint.profiles else { return Detail { envelope: None, bell, plain: bell, folded: bell } };
             let plain = finest(&profiles.axes);
@@ -102,7 +103,7 @@ impl Workspace {
                 let bell_fineness = (detail.bell * per_length) as f32;
                 let envelope = detail.envelope.as_ref().filter(|_| frame.has_axes());
                 let drawn_part = if envelope.is_some() { frame.frame_part as f32 } else { 0.0 };
-                for (place, bell, drawn) in heights::of_points(support, places, frame, envelope) {
+                for (place, bell, drawn) in profile_weights::of_points(support, places, frame, envelope) {
                     let share = counts * mask.map_or(1.0, |mask| mask[place]) / areas[place];
                     let (drawn, round) = (drawn * drawn_part * share, bell * (1.0 - drawn_part) * share);
                     let slot = slots.start + place;

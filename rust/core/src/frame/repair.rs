@@ -4,11 +4,11 @@ use glam::DVec3;
 
 use super::Workspace;
 use crate::binding::Binding;
-use crate::joint::Joint;
-use crate::lanes;
-use crate::patches::NO_SLOT;
-use crate::repair::{BackOff, Search, Skin};
-use crate::supports::Supports;
+use crate::fields::joint::Joint;
+use crate::fields::supports::Supports;
+use crate::folds::{BackOff, Search, Skin};
+use crate::numeric::lanes;
+use crate::surface::patches::NO_SLOT;
 
 /// Relative error that the volume may have after repair; more is a failure of the repair.
 const EXACT: f64 = 1e-12;

@@ -3,18 +3,19 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
 
-use super::give_back::Pass;
+use super::pass::Pass;
 use super::scratch::{Scratch, with_scratch};
 use super::{ComponentState, Places, Workspace, widened};
 use crate::binding::Binding;
-use crate::fields::Move;
-use crate::joint::Joint;
-use crate::lanes::add;
-use crate::patches::{LANES, Patches};
-use crate::split::for_each_piece;
-use crate::supports::Supports;
-use crate::sweeps::{self, polygon_cubic};
-use crate::volume::VolumeCubic;
+use crate::fields::joint::Joint;
+use crate::fields::patch_sums::Move;
+use crate::fields::supports::Supports;
+use crate::numeric::block_rows::LANES;
+use crate::numeric::lanes::add;
+use crate::parallel::split::for_each_piece;
+use crate::surface::patches::Patches;
+use crate::surface::sweeps::{self, polygon_cubic};
+use crate::surface::volume::VolumeCubic;
 
 /// A component this near its target, relatively, has it: what is left is rounding.
 const RESIDUAL_DONE: f64 = 1e-14;

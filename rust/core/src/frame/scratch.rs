@@ -2,11 +2,11 @@
 
 use std::cell::RefCell;
 
-use crate::fields::{FieldRows, FieldSum};
-use crate::lanes;
-use crate::patches::PATCH_POINTS;
-use crate::stages::ROWS;
-use crate::sweeps::Buffer;
+use crate::fields::patch_sums::{FieldRows, FieldSum};
+use crate::losses::staged::ROWS;
+use crate::numeric::block_rows::PATCH_POINTS;
+use crate::numeric::lanes;
+use crate::surface::sweeps::Buffer;
 
 /// Rows lie on cache lines; nothing in them is remembered.
 #[repr(align(64))]

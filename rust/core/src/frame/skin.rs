@@ -7,13 +7,14 @@ use super::added::Added;
 use super::scratch::{Scratch, with_scratch};
 use super::{PatchSums, Workspace, ragged};
 use crate::binding::Binding;
-use crate::lanes::{self, Four, V4};
-use crate::motions::Motions;
-use crate::patches::{LANES, PATCH_POINTS, Patch};
-use crate::split::{Ragged, for_each_piece};
-use crate::stages::{Body, Rows, giant_moment, giant_volume};
-use crate::sweeps::{self, Buffer, GRADIENT_PARTS, mean_and_cross, polygon_gradient};
-use crate::volume_loss::{Change, Moment};
+use crate::losses::job::{Change, Moment};
+use crate::losses::staged::{Body, Rows, giant_moment, giant_volume};
+use crate::numeric::block_rows::{LANES, PATCH_POINTS};
+use crate::numeric::lanes::{self, Four, V4};
+use crate::parallel::split::{Ragged, for_each_piece};
+use crate::skinning::motions::Motions;
+use crate::surface::patches::Patch;
+use crate::surface::sweeps::{self, Buffer, GRADIENT_PARTS, mean_and_cross, polygon_gradient};
 
 impl Workspace {
     /// Skins all points; volume and gradient of the skinned surface, and stages on the way to it.

@@ -2,9 +2,9 @@
 
 use super::{ComponentState, JobState, Pose, Workspace};
 use crate::binding::Binding;
-use crate::correction::FieldFrame;
-use crate::joint::Joint;
-use crate::supports::Supports;
+use crate::fields::field::FieldFrame;
+use crate::fields::joint::Joint;
+use crate::fields::supports::Supports;
 
 /// Losses below this part of a component's volume share a residual with the whole shell instead of taking all of it.
 const LOSS_FLOOR: f64 = 1e-3;

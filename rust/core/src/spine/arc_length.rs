@@ -3,9 +3,9 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x8};
 
+use crate::numeric::real::{LANES, Real};
 use crate::spine::cells::Cells;
 use crate::spine::quintic::Quintic;
-use crate::spine::real::{LANES, Real};
 
 /// Gauss's rule of eight places on [0, 1]: exact for polynomials up to degree 15. Half of it; it is symmetrical.
 const PLACES: [f64; 4] = [0.019_855_071_751_231_884, 0.101_666_761_293_186_63, 0.237_233_795_041_835_5, 0.408_282_678_752_175_1];

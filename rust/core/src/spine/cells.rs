@@ -9,9 +9,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x8};
 use glam::DVec3;
 
+use crate::numeric::real::{LANES, Real, Vector};
 use crate::spine::frames::{TURNED_BACK, carried};
 use crate::spine::quintic::Quintic;
-use crate::spine::real::{LANES, Real, Vector};
 
 /// At least so many cells to a spine: one that turns a full circle turns less than six degrees in each.
 const CELLS_MIN: usize = 64;

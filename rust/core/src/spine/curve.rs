@@ -6,6 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::{Error, LARGEST, Result, SMALLEST, check_finite, check_numbers};
+use crate::numeric::real::sine_cosine;
 use crate::spine::arc_length::ArcLength;
 use crate::spine::b_spline::{BSpline, KnotFlags};
 use crate::spine::cells::{Cells, Station};
@@ -14,7 +15,6 @@ use crate::spine::frames::{across, any_across, least_rotation};
 use crate::spine::given::{Given, RESOLUTION_MAX, Samples};
 use crate::spine::interpolation::End;
 use crate::spine::pieces::{Bare, b_spline, polynomial};
-use crate::spine::real::sine_cosine;
 
 /// An end piece of a trimmed spine is at least this part of a whole one.
 const TRIMMED_PIECE_MIN: f64 = 0.25;

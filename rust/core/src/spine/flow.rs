@@ -4,18 +4,15 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f64x8};
 use rayon::prelude::*;
 
+use crate::numeric::real::{LANES, Lanes};
+use crate::spine::bound_points::BoundPoints;
 use crate::spine::cells::{Cell, CellAt};
-use crate::spine::fleshing::Bound;
 use crate::spine::matching::Matching;
-use crate::spine::planar::Blend;
-use crate::spine::real::{LANES, Lanes, Real, sine_cosine};
+use crate::spine::planar::{Blend, thin, turn};
 use crate::spine::twist::TwistCurve;
 
 /// Blocks of one parallel task.
 const TASK: usize = 64;
-/// Flesh grows thicker at most by this factor where the spine is compressed: at a cusp it would be infinite.
-pub(crate) const SWELL_MAX: f64 = 4.0;
-
 /// Eight images.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Block {
@@ -26,7 +23,7 @@ pub(crate) struct Block {
 
 /// What a frame is made from.
 pub(crate) struct Flow<'a> {
-    pub bound: &'a Bound,
+    pub bound: &'a BoundPoints,
     pub blend: &'a Blend,
     pub cells: &'a [Cell],
     pub matching: &'a Matching<'a>,
@@ -100,21 +97,4 @@ impl Flow<'_> {
         let clamped: Lanes = clamped.into();
         Block { positions: std::array::from_fn(|lane| [x[lane], y[lane], z[lane]]), is_clamped: clamped.map(|clamped| clamped != 0.0) }
     }
-}
-
-/// q / √ρ, ρ being how much longer the spine has become.
-#[inline(always)]
-pub(crate) fn thin<R: Real>(q: [R; 2], growth: R, clamped: &mut R) -> [R; 2] {
-    let c = |value| growth.constant(value);
-    let least = c(1.0 / (SWELL_MAX * SWELL_MAX));
-    *clamped = growth.if_below(least, c(1.0), *clamped);
-    let factor = c(1.0) / growth.max(least).sqrt();
-    [q[0] * factor, q[1] * factor]
-}
-
-/// q turned from the first axis to the second.
-#[inline(always)]
-pub(crate) fn turn<R: Real>(q: [R; 2], angle: R) -> [R; 2] {
-    let (sine, cosine) = sine_cosine(angle);
-    [q[0] * cosine - q[1] * sine, q[0] * sine + q[1] * cosine]
 }

@@ -4,9 +4,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x8};
 
 use crate::error::{Error, Result, check_numbers};
+use crate::numeric::real::{LANES, Lanes};
 use crate::spine::arc_length::ArcLength;
 use crate::spine::curve::Spine;
-use crate::spine::real::{LANES, Lanes};
 
 /// Steps of Newton's method, or halvings, to invert a rising function.
 const STEPS: usize = 100;

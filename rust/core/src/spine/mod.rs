@@ -2,6 +2,7 @@
 
 mod arc_length;
 mod b_spline;
+mod bound_points;
 mod cells;
 mod closest;
 mod curve;
@@ -15,7 +16,6 @@ mod pieces;
 mod planar;
 mod polynomial;
 mod quintic;
-mod real;
 mod twist;
 mod validity;
 

@@ -5,7 +5,7 @@
 //! determinant 1 − k·p, `bend` takes it back. Nothing here needs a Frenet frame: k may vanish or turn over.
 
 use crate::error::{Error, LARGEST, Result};
-use crate::spine::real::Real;
+use crate::numeric::real::{Real, sine_cosine};
 
 /// 1/√3: the smallest w of the radial bend, and its largest k·q.
 const ROOT: f64 = 0.577_350_269_189_625_8;
@@ -14,6 +14,8 @@ pub(crate) const BINORMAL_MAX: f64 = 0.95;
 /// Relative change of w that ends its iteration; then it is exact to rounding.
 const CONVERGED: f64 = 1e-6;
 const STEPS: usize = 40;
+/// Flesh grows thicker at most by this factor where the spine is compressed: at a cusp it would be infinite.
+const SWELL_MAX: f64 = 4.0;
 
 /// Which way flesh gives way in the normal plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -214,6 +216,23 @@ fn largest_root<R: Real>(room: R) -> R {
         }
     }
     v + c(ROOT)
+}
+
+/// q / √ρ, ρ being how much longer the spine has become.
+#[inline(always)]
+pub(crate) fn thin<R: Real>(q: [R; 2], growth: R, clamped: &mut R) -> [R; 2] {
+    let c = |value| growth.constant(value);
+    let least = c(1.0 / (SWELL_MAX * SWELL_MAX));
+    *clamped = growth.if_below(least, c(1.0), *clamped);
+    let factor = c(1.0) / growth.max(least).sqrt();
+    [q[0] * factor, q[1] * factor]
+}
+
+/// q turned from the first axis to the second.
+#[inline(always)]
+pub(crate) fn turn<R: Real>(q: [R; 2], angle: R) -> [R; 2] {
+    let (sine, cosine) = sine_cosine(angle);
+    [q[0] * cosine - q[1] * sine, q[0] * sine + q[1] * cosine]
 }
 
 #[cfg(test)]

@@ -7,8 +7,8 @@ use crate::error::Result;
 use crate::spine::closest::Closest;
 use crate::spine::curve::TASK;
 use crate::spine::fleshing::{Flesh, FleshFrame, Fleshing};
-use crate::spine::flow::thin;
 use crate::spine::matching::Matching;
+use crate::spine::planar::thin;
 
 /// Part of its distance by which an image must be nearer to another station to count as overlapping.
 const NEARER: f64 = 1e-6;

@@ -103,7 +103,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::csr::Csr;
+    use crate::numeric::csr::Csr;
 
     #[test]
     fn a_step_gets_the_width_asked_for_at_less_volume_and_stretch_than_an_exponential() {

@@ -9,10 +9,10 @@ use super::inset;
 use super::sampling::Sampler;
 use super::skin::Skin;
 use super::solid::Solid;
-use super::sources::{Source, contact, near_sources, sources, FARTHEST, straight_distance};
+use super::sources::{FARTHEST, Source, contact, near_sources, sources, straight_distance};
 use super::voxels::Voxels;
-use crate::csr::Csr;
 use crate::error::{Error, Result};
+use crate::numeric::csr::Csr;
 
 /// Part of a voxel that surfaces lie from their outermost centres.
 pub const SKIN: f64 = 0.5;

@@ -11,7 +11,7 @@ use super::distances::SKIN;
 use super::skin::Skin;
 use super::solid::Solid;
 use super::voxels::Voxels;
-use crate::csr::Csr;
+use crate::numeric::csr::Csr;
 
 /// How far beneath and above a face is looked for flesh, in voxels.
 const PROBE: f64 = 1.5;

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::delaunay::{Triangulation, double_area};
 use super::polygons::{Cut, cut};
-use crate::csr::Csr;
+use crate::numeric::csr::Csr;
 
 /// Area of a triangle against its squared sides below which cotangents grow no further.
 const SLIVER: f64 = 1e-4;

@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::lattice::{Extent, Plane};
-use crate::nearness::PointTree;
+use crate::numeric::nearness::PointTree;
 
 /// How far an image may be from its partner, as a part of the diagonal.
 const TOLERANCE: f64 = 1e-4;

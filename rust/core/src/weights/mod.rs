@@ -198,7 +198,7 @@ fn locked_rows(rows: &WeightRows, bones: &Bones, vertex_count: usize) -> Result<
         return Err(Error::Length { what: "weight_bones", found: rows.bones.len(), needed: rows.weights.len() });
     }
     check_indices("weight_bones", &rows.bones, bones.heads.len())?;
-    crate::skinning::check_weights("weights", &rows.weights)?;
+    crate::skinning::blend::check_weights("weights", &rows.weights)?;
     let mut kept = WeightRows { offsets: vec![0], ..WeightRows::default() };
     for vertex in 0..vertex_count {
         for (bone, weight) in rows.row(vertex).filter(|w| bones.is_locked.is_some_and(|l| l[w.0 as usize])) {

@@ -6,8 +6,8 @@
 
 use super::tracks::{NO_BONE, Tracks};
 use super::voxels::{NONE, Voxels};
-use crate::csr::Csr;
-use crate::union_find::UnionFind;
+use crate::numeric::csr::Csr;
+use crate::numeric::union_find::UnionFind;
 
 /// A shell has a bone of its own where this part of it, or more, is only in that shell.
 const OWN: f64 = 0.25;

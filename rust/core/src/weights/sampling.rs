@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::sheets::EVERYTHING;
 use super::voxels::{NONE, Voxels};
-use crate::csr::Csr;
+use crate::numeric::csr::Csr;
 
 /// How much farther than the nearest one a voxel may be, in voxels.
 const REACH: f64 = 1.0;

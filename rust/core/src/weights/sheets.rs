@@ -8,8 +8,8 @@ use std::collections::{BTreeMap, HashMap};
 use super::overlap::{Passing, Scene};
 use super::tracks::Tracks;
 use super::voxels::{NONE, Voxels};
-use crate::csr::Csr;
-use crate::union_find::UnionFind;
+use crate::numeric::csr::Csr;
+use crate::numeric::union_find::UnionFind;
 
 /// Viewer of shells without bones, which see all sheets.
 pub const EVERYTHING: u32 = 0;

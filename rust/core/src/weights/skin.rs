@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use crate::csr::Csr;
 use crate::error::Result;
-use crate::topology::OrientedFaces;
+use crate::numeric::csr::Csr;
+use crate::surface::topology::OrientedFaces;
 
 /// Corners of open edges closer than this part of the diagonal are one point, as in `Mesh`.
 const WELD_TOLERANCE: f64 = 1e-6;

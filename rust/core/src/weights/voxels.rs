@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::sheets::{EVERYTHING, Sheets};
-use crate::union_find::UnionFind;
+use crate::numeric::union_find::UnionFind;
 
 /// No voxel there.
 pub const NONE: u32 = u32::MAX;

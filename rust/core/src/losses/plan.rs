@@ -1,0 +1,75 @@
+//! Whose volume is it: what each joint's turn takes from each component, by telescoping over joints [MATH §3].
+//!
+//! Parents first, one joint after the other turns with all below it following rigidly; the volumes before and after give
+//! its loss. Faces that a turn carries whole change by a closed form of their volume and area vector. Faces that it
+//! deforms change by a closed form too where skinning is linear (`closed_form`), else they are swept (`staged`).
+
+use std::collections::HashSet;
+
+use crate::losses::closed_form::VolumeForms;
+use crate::losses::job::{Anatomy, Bodies, Change, Job, Moment, find_job, moved_volume};
+use crate::losses::staged::Stages;
+use crate::skinning::blend::Mode;
+use crate::skinning::motions::Motions;
+
+/// Everything about the telescoping that does not change from frame to frame.
+pub(crate) struct LossPlan {
+    pub jobs: Vec<Job>,
+    pub bodies: Bodies,
+    /// How bodies are skinned joint by joint. Without `forms` their bodies are those of the plan.
+    pub stages: Stages,
+    /// Losses in closed form: linear skinning of one rest shape.
+    pub forms: Option<VolumeForms>,
+}
+
+impl LossPlan {
+    /// `has_shapes`: the rest shape changes from frame to frame.
+    pub fn new(anatomy: &Anatomy, mode: Mode, has_shapes: bool) -> Self {
+        let Anatomy { topology, joints, tree, .. } = *anatomy;
+        let mut jobs: Vec<Job> = Vec::new();
+        let mut carried: HashSet<(u32, u32)> = HashSet::new();
+        for ((&component, &top), below) in topology.component_of_face.iter().zip(&joints.tops).zip(joints.below.rows()) {
+            // All that carry a face carry the others under the same joint.
+            let is_new = carried.insert((component, top));
+            let carrying = tree.chain(top as usize).take_while(|_| is_new).map(|j| j as u32);
+            jobs.extend(carrying.chain(below.iter().map(|&j| u32::from(j))).map(|joint| Job { joint, component }));
+            if jobs.len() > 4 * topology.faces.len() {
+                jobs.sort_unstable();
+                jobs.dedup();
+            }
+        }
+        jobs.sort_unstable();
+        jobs.dedup();
+        let mut bodies = Bodies::default();
+        let has_forms = mode == Mode::Linear && !has_shapes;
+        let forms = if has_forms { VolumeForms::new(anatomy, &jobs, &mut bodies) } else { None };
+        let stages = Stages::new(anatomy, &jobs, forms.is_none());
+        if forms.is_none() {
+            bodies = stages.bodies(anatomy);
+        }
+        for (&component, &top) in bodies.components.iter().zip(&bodies.tops) {
+            bodies.jobs_above.push_row(tree.chain(top as usize).filter_map(|j| find_job(&jobs, j, component)));
+        }
+        Self { jobs, bodies, stages, forms }
+    }
+
+    /// What every joint did to every component by carrying bodies whole.
+    pub fn carry(&self, motions: &Motions, moments: &[Moment], changes: &mut [Change]) {
+        for (change, (job, moment)) in changes.iter_mut().zip(self.jobs.iter().zip(moments)) {
+            let joint = job.joint as usize;
+            *change = Change::default();
+            if motions.is_still[joint] {
+                continue;
+            }
+            let volume = |motion: usize| moved_volume(motions.palette.alone(motion), *moment);
+            let before = volume(motions.tree.parents[joint] as usize);
+            let stretched = if motions.has_intent[joint] { volume(motions.stretched(joint)) } else { before };
+            *change = Change { intent: stretched - before, loss: stretched - volume(joint) };
+        }
+    }
+
+    pub fn memory_bytes(&self) -> usize {
+        let forms = self.forms.as_ref().map_or(0, VolumeForms::memory_bytes);
+        size_of_val(&*self.jobs) + self.bodies.memory_bytes() + self.stages.memory_bytes() + forms
+    }
+}

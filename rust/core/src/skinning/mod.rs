@@ -1,0 +1,8 @@
+//! Bones and what they do to points: skeletons, weights, blends of motions.
+
+pub(crate) mod blend;
+pub(crate) mod dual_quaternion;
+pub(crate) mod joint_tree;
+pub(crate) mod motions;
+pub(crate) mod sites;
+pub(crate) mod skeleton;
