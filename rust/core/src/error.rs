@@ -12,7 +12,9 @@ pub enum Error {
     TooLarge { what: &'static str, row: usize, found: f64 },
     #[error("{what}: all of it is within {found:e}, need a size of {SMALLEST:e} or more: scale it up")]
     TooSmall { what: &'static str, found: f64 },
-    #[error("bone {bone} takes the mesh as far as {reach:e}, need places up to {LARGEST:e}: lower the scale or the distance of the bone or the object")]
+    #[error(
+        "bone {bone} takes the mesh as far as {reach:e}, need places up to {LARGEST:e}: lower the scale or the distance of the bone or the object"
+    )]
     TooFar { bone: usize, reach: f64 },
     #[error("{what}: the result is beyond all numbers: bring what goes in to usual sizes")]
     Beyond { what: &'static str },

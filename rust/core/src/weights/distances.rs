@@ -9,7 +9,7 @@ use super::inset;
 use super::sampling::Sampler;
 use super::skin::Skin;
 use super::solid::Solid;
-use super::sources::{Source, contact, near_sources, sources, FARTHEST, straight_distance};
+use super::sources::{FARTHEST, Source, contact, near_sources, sources, straight_distance};
 use super::voxels::Voxels;
 use crate::csr::Csr;
 use crate::error::{Error, Result};

@@ -11,6 +11,9 @@ const BUCKET: f32 = 0.5;
 /// Buckets that are open at a time: more than any step passes over, however far distances are rounded.
 const OPEN: u64 = 16;
 
+/// Bucket of all that is farther: steps are lost in rounding there.
+const LAST: u64 = 1 << 60;
+
 /// Length of each of `STEPS`.
 const LENGTHS: [f32; 26] = lengths();
 
@@ -149,7 +152,7 @@ impl Front {
 
 #[inline]
 fn index(distance: f32, start: f32) -> u64 {
-    ((distance - start) / BUCKET) as u64
+    (((distance - start) / BUCKET) as u64).min(LAST)
 }
 
 #[cfg(test)]

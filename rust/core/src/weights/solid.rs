@@ -45,13 +45,7 @@ impl Solid {
     ///
     /// # Errors
     /// More voxels than fit into memory.
-    pub fn new(
-        skin: &Skin,
-        bones: &Bones,
-        free: &[[DVec3; 2]],
-        resolution: Option<usize>,
-        plane: Option<&Plane>,
-    ) -> Result<Option<Self>> {
+    pub fn new(skin: &Skin, bones: &Bones, free: &[[DVec3; 2]], resolution: Option<usize>, plane: Option<&Plane>) -> Result<Option<Self>> {
         let faces_of_shell = skin.faces_of_shell();
         let extent_of = |shell: usize| {
             let corners = faces_of_shell.row(shell).iter().flat_map(|&face| skin.faces.row(face as usize));
