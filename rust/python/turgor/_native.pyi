@@ -1,4 +1,9 @@
-"""The compiled engine. Arrays are numpy; see each call for shape, dtype, space and errors."""
+"""The compiled engine. Arrays are numpy; see each call for shape, dtype, space and errors.
+
+Arrays that are read may have any layout and byte order: what is not C-contiguous, aligned and of the dtype is copied.
+Coordinates, lengths and elements of matrices may be up to 1e15 in size: TurgorError names what is not. All results are
+finite.
+"""
 
 from collections.abc import Callable, Sequence
 from typing import Literal, final
@@ -142,10 +147,10 @@ class Joint:
         number is the part that goes by the least displacement. "auto", which None stands for, is (0, 0, 0, 1), three
         numbers are four with a 0. Only their ratios count.
     profiles: three 1D curves over x in [-1, 1] of the joint's length, each a sequence of at least 2 samples at even
-        spacing, zero outside; samples below 0 count as 0. None: the isotropic bell.
+        spacing, zero outside; samples below 0 count as 0, none is above 1e6. None: the isotropic bell.
     folded_profiles: three curves that the profiles turn into as the loss approaches `folded_loss_relative` of the
         volume of the joint's vicinity, a tenth of its length cubed (Belly); None: no change with loss.
-    strength: part of the loss given back, >= 0. size: factor on the joint's automatic length, > 0.
+    strength: part of the loss given back, 0 to 1e9. size: factor on the joint's automatic length, 1e-6 to 1e6.
     """
 
     def __new__(
@@ -262,7 +267,7 @@ class VolumeSkin:
         """Skin and correct one frame. Arguments as in `Skinning.deform`.
 
         strengths: (B,) strength of the joint of each bone in place of its setting (keyed strengths).
-        target_scale: factor on the target volume (breathing).
+        target_scale: factor on the target volume (breathing), above 0, up to 1e9.
         added_offsets: (N, 3) float32, object space: what another deformer adds to the skin before its volume is looked
         at; `Frame.skinned` has it. fleshed: (B,) bones whose flesh that deformer moves: what skinning loses at their
         joints is not missing.
@@ -865,8 +870,8 @@ def automatic_weights(
     bone_heads, bone_tails: (B, 3) in the same space. Only deform bones.
     bone_parents: (B,) -1 for none. Shells that overlap pass through each other unless bones lead there from one into
         the other: by parents, and where bones share an end.
-    resolution: voxels along the longest side of the body, 8 to 1024; None: as many as the body needs. Parts two voxels
-        apart are apart.
+    resolution: voxels along the longest side of the body, 8 to 1024, no more than 2 ** 24 of them solid; None: as many
+        as the body needs. Parts two voxels apart are apart.
     falloff: exponent by which a bone's hold falls with distance, 0.5 to 32; larger is sharper.
     smoothing: length over which weights pass from bone to bone, in distances to the nearest bone, taken in the
         flesh, 0 to 10; 0: as they follow from distances.

@@ -64,6 +64,8 @@ impl<'a> PointTree<'a> {
     }
 
     fn join(&self, distance: f64, a: usize, b: usize, sets: &mut UnionFind) {
+        #[cfg(test)]
+        tests::LOOKS.set(tests::LOOKS.get() + 1);
         let (one, other) = (&self.nodes[a], &self.nodes[b]);
         let gap = (one.low - other.high).max(other.low - one.high).max_element();
         if gap > distance * (1.0 + CERTAIN) {
@@ -131,9 +133,39 @@ impl<'a> PointTree<'a> {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+
     use proptest::prelude::*;
 
     use super::*;
+
+    thread_local! {
+        /// Pairs of boxes that were looked at.
+        pub(super) static LOOKS: Cell<usize> = const { Cell::new(0) };
+    }
+
+    fn looks(points: &[DVec3], distance: f64) -> usize {
+        LOOKS.set(0);
+        PointTree::new(points, (0..points.len() as u32).collect()).join_within(distance, &mut UnionFind::new(points.len()));
+        LOOKS.get()
+    }
+
+    #[test]
+    fn work_grows_with_the_points_however_they_lie() {
+        let spread = |i: usize, at: f64| DVec3::new((i as f64 * 0.618_034).fract(), (i as f64 * 0.414_214).fract(), at);
+        let layouts: [fn(usize) -> DVec3; 3] =
+            [|_| DVec3::ONE, |i| DVec3::splat((i / 2) as f64), |i| DVec3::new((i % 1000) as f64, (i / 1000) as f64, 0.0)];
+        for (layout, distance) in layouts.into_iter().zip([1e-6, 1e-3, 1e-3]) {
+            let [some, twice] = [8000, 16000].map(|count| looks(&(0..count).map(layout).collect::<Vec<_>>(), distance));
+            assert!(twice < 5 * some / 2, "{some} {twice}");
+        }
+        // All within the distance, spread out; two such clouds just out of reach of each other.
+        for gap in [0.0, 3.1] {
+            let cloud = |count: usize| (0..count).map(|i| spread(i, if i % 2 == 0 { 0.0 } else { gap })).collect::<Vec<_>>();
+            let [some, twice] = [8000, 16000].map(|count| looks(&cloud(count), 3.0));
+            assert!(twice < 5 * some / 2, "{some} {twice}");
+        }
+    }
 
     /// Clusters of points, some at one place, in a box of side 1.
     fn clusters() -> impl Strategy<Value = Vec<DVec3>> {

@@ -11,6 +11,9 @@ const BUCKET: f32 = 0.5;
 /// Buckets that are open at a time: more than any step passes over, however far distances are rounded.
 const OPEN: u64 = 16;
 
+/// Bucket of all that is farther: steps are lost in rounding there.
+const LAST: u64 = 1 << 60;
+
 /// Length of each of `STEPS`.
 const LENGTHS: [f32; 26] = lengths();
 
@@ -149,7 +152,7 @@ impl Front {
 
 #[inline]
 fn index(distance: f32, start: f32) -> u64 {
-    ((distance - start) / BUCKET) as u64
+    (((distance - start) / BUCKET) as u64).min(LAST)
 }
 
 #[cfg(test)]
@@ -191,6 +194,37 @@ mod tests {
         let [coarse, fine, finest] = [6.0, 12.0, 24.0].map(error);
         assert!(fine < 0.65 * coarse && finest < 0.65 * fine, "{coarse} {fine} {finest}");
         assert!(finest < 0.025, "{finest}");
+    }
+
+    #[test]
+    fn sources_may_begin_any_distance_apart() {
+        // Two balls in one lattice, the second one beyond a gap, its source as far as any.
+        let size = 24u32;
+        let is_in = |&i: &u32| {
+            let at = [i % size, i / size % size, i / size / size].map(|c| f64::from(c) + 0.5);
+            [6.0, 18.0].iter().any(|&x| (at[0] - x).hypot(at[1] - 12.0).hypot(at[2] - 12.0) <= 5.0)
+        };
+        let voxels = Voxels::new([size as usize; 3], &[(0..size.pow(3)).filter(is_in).collect()]);
+        assert_eq!(voxels.part_count, 2);
+        let [near, far] = [6, 18].map(|x| voxels.at([x, 12, 12]));
+        let spread = |sources: &[(u32, f32)]| {
+            let mut front = Front::default();
+            front.spread(&voxels, sources, None);
+            assert!(front.open.iter().all(Vec::is_empty));
+            front.distances
+        };
+        let alone = spread(&[(near, 0.25)]);
+        for distance in [7.0, 1e3, 16_777_217.0, 1e9, 1e20] {
+            let both = spread(&[(far, distance), (near, 0.25)]);
+            for (voxel, (&found, &plain)) in both.iter().zip(&alone).enumerate() {
+                if voxels.part[voxel] == voxels.part[near as usize] {
+                    assert_eq!(found, plain);
+                } else {
+                    // Within the ball, and as steps are rounded.
+                    assert!(found >= distance && found <= distance + 8.0 + distance * 1e-6, "{found}");
+                }
+            }
+        }
     }
 
     #[test]

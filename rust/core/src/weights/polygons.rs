@@ -127,7 +127,55 @@ fn turned(corners: &[DVec3], [a, b, c, d]: [usize; 4]) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+
+    /// The same ears, every corner looked at anew for each.
+    fn plain_ears(corners: &[DVec3]) -> Vec<[usize; 3]> {
+        let mean = corners.iter().sum::<DVec3>() / corners.len() as f64;
+        let area: DVec3 = (0..corners.len()).map(|i| (corners[i] - mean).cross(corners[(i + 1) % corners.len()] - mean)).sum();
+        let mut left: Vec<usize> = (0..corners.len()).collect();
+        let mut triangles = Vec::new();
+        let slack = TIE * area.length_squared();
+        while left.len() > 3 {
+            let count = left.len();
+            let at = |i: usize| left[i % count];
+            let length = |i: usize| corners[at(i + count - 1)].distance_squared(corners[at(i + 1)]);
+            let is_ear = |&i: &usize| {
+                let [a, b, c] = [at(i + count - 1), at(i), at(i + 1)].map(|k| corners[k]);
+                let inside = |p: DVec3| [(a, b), (b, c), (c, a)].iter().all(|(f, t)| (*t - *f).cross(p - *f).dot(area) >= -slack);
+                let mut others = (i + 2..i + count - 1).map(|k| corners[at(k)]);
+                (b - a).cross(c - b).dot(area) > slack && !others.any(|p| p != a && p != c && inside(p))
+            };
+            let mut candidates: Vec<usize> = (0..count).filter(is_ear).collect();
+            if candidates.is_empty() {
+                candidates = (0..count).collect();
+            }
+            let shortest = candidates.iter().map(|&i| length(i)).fold(f64::INFINITY, f64::min);
+            let ear = candidates.into_iter().find(|&i| length(i) <= shortest * (1.0 + TIE)).unwrap_or(0);
+            triangles.push([at(ear + count - 1), at(ear), at(ear + 1)]);
+            left.remove(ear);
+        }
+        triangles.push([left[0], left[1], left[2]]);
+        flip_to_delaunay(corners, &mut triangles);
+        triangles
+    }
+
+    proptest! {
+        #[test]
+        fn ears_are_those_of_corners_looked_at_anew(
+            places in prop::collection::vec((0i8..6, 0i8..6, 0i8..2), 5..24), is_even in any::<bool>()
+        ) {
+            // On a grid many are alike, in a row, or at one place, and faces cross themselves.
+            let bend = if is_even { 0.0 } else { 0.1 };
+            let corner = |(i, &(x, y, z)): (usize, &(i8, i8, i8))| {
+                DVec3::new(f64::from(x), f64::from(y), f64::from(z) * bend) + bend * (i as f64).sin()
+            };
+            let corners: Vec<DVec3> = places.iter().enumerate().map(corner).collect();
+            prop_assert_eq!(ears(&corners), plain_ears(&corners));
+        }
+    }
 
     #[test]
     fn ears_fill_a_concave_face_and_nothing_else() {

@@ -14,6 +14,9 @@ use crate::numeric::union_find::UnionFind;
 /// Viewer of shells without bones, which see all sheets.
 pub const EVERYTHING: u32 = 0;
 
+/// Pairs of shells that may be in voxels together: each takes some bytes.
+const MOST_PAIRS: usize = 1 << 26;
+
 /// Which nodes are of which sheet, and whom that concerns.
 pub struct Sheets {
     /// Per node, the sheet it is of.
@@ -73,9 +76,15 @@ pub fn divide(voxels: &mut Voxels, cells: &[Vec<u32>], tracks: &Tracks, bone_cou
         .map(|(cell, rank)| (voxels.of_cell(cell), rank))
         .collect();
     let shells_of_voxel = Csr::from_pairs(voxels.len(), &pairs);
+    let bones = Bearing::new(bearing.iter().map(|&shell| common(&cells[shell as usize], &sampled)));
+    let is_mixed = |row: &&[u32]| row.iter().any(|&shell| bones.class_of[shell as usize] != bones.class_of[row[0] as usize]);
+    // More shells in one place than can be told apart are one solid.
+    if shells_of_voxel.rows().filter(is_mixed).map(|row| row.len() * row.len()).sum::<usize>() > MOST_PAIRS {
+        return;
+    }
     let scene = Scene { voxels, shells_of_voxel: &shells_of_voxel, tracks, voxel_of_sample: &voxel_of_sample };
     let mut passings: Vec<Passing> =
-        touching(voxels, &shells_of_voxel).into_iter().filter_map(|([a, b], both)| scene.passing([a, b], &both)).collect();
+        touching(voxels, &shells_of_voxel, &bones).into_iter().filter_map(|([a, b], both)| scene.passing([a, b], &both)).collect();
     if passings.is_empty() {
         return;
     }
@@ -118,6 +127,43 @@ pub fn divide(voxels: &mut Voxels, cells: &[Vec<u32>], tracks: &Tracks, bone_cou
     voxels.divide(sheets, &first_cells, |a, b, is_contested| share(a, b) || !is_contested && is_free(a, b));
 }
 
+/// Which voxels of shells have samples of bones. Only shells that each have some of their own can pass through each other.
+struct Bearing {
+    /// Per shell, the number of its list.
+    class_of: Vec<u32>,
+    lists: Vec<Vec<u32>>,
+    /// Per pair of lists, whether each has something that the other has not.
+    are_apart: Vec<bool>,
+}
+
+impl Bearing {
+    fn new(lists: impl Iterator<Item = Vec<u32>>) -> Self {
+        let mut numbers: HashMap<Vec<u32>, u32> = HashMap::new();
+        let mut result = Self { class_of: Vec::new(), lists: Vec::new(), are_apart: Vec::new() };
+        for list in lists {
+            let class = *numbers.entry(list).or_insert_with_key(|list| {
+                result.lists.push(list.clone());
+                result.lists.len() as u32 - 1
+            });
+            result.class_of.push(class);
+        }
+        let has_own = |a: &Vec<u32>, b: &Vec<u32>| a.iter().any(|voxel| b.binary_search(voxel).is_err());
+        let pairs = result.lists.iter().flat_map(|a| result.lists.iter().map(move |b| (a, b)));
+        result.are_apart = pairs.map(|(a, b)| has_own(a, b) && has_own(b, a)).collect();
+        result
+    }
+
+    fn are_apart(&self, a: u32, b: u32) -> bool {
+        let [a, b] = [a, b].map(|shell| self.class_of[shell as usize] as usize);
+        self.are_apart[a * self.lists.len() + b]
+    }
+}
+
+/// What two sorted lists share.
+fn common(list: &[u32], values: &[u32]) -> Vec<u32> {
+    values.iter().copied().filter(|value| list.binary_search(value).is_ok()).collect()
+}
+
 /// Whether two sorted lists share a value.
 fn meet(list: &[u32], values: &[u32]) -> bool {
     if values.len() < list.len() {
@@ -127,19 +173,19 @@ fn meet(list: &[u32], values: &[u32]) -> bool {
     }
 }
 
-/// Pairs of shells that share voxels or have neighbouring ones, with the voxels that they share, sorted.
-fn touching(voxels: &Voxels, shells_of_voxel: &Csr<u32>) -> BTreeMap<[u32; 2], Vec<u32>> {
+/// Pairs of shells that share voxels or have neighbouring ones, and may be two solids, with the voxels that they share, sorted.
+fn touching(voxels: &Voxels, shells_of_voxel: &Csr<u32>, bones: &Bearing) -> BTreeMap<[u32; 2], Vec<u32>> {
     let mut pairs: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
     for (voxel, row) in shells_of_voxel.rows().enumerate() {
         for (i, &a) in row.iter().enumerate() {
-            for &b in &row[i + 1..] {
+            for &b in row[i + 1..].iter().filter(|&&b| bones.are_apart(a, b)) {
                 pairs.entry([a, b]).or_default().push(voxel as u32);
             }
         }
         for &other in voxels.neighbours[voxel].iter().filter(|&&other| other < voxel as u32) {
             let beside = shells_of_voxel.row(other as usize);
             if beside != row {
-                for (&a, &b) in row.iter().flat_map(|a| beside.iter().map(move |b| (a, b))).filter(|(a, b)| a != b) {
+                for (&a, &b) in row.iter().flat_map(|a| beside.iter().map(move |b| (a, b))).filter(|&(&a, &b)| bones.are_apart(a, b)) {
                     pairs.entry([a.min(b), a.max(b)]).or_default();
                 }
             }

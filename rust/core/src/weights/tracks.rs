@@ -99,3 +99,45 @@ fn within(low: DVec3, high: DVec3, from: DVec3, to: DVec3) -> Option<[f64; 2]> {
     }
     (enters < leaves).then_some([enters, leaves])
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const DIMS: [usize; 3] = [30, 20, 10];
+
+    fn places() -> impl Strategy<Value = DVec3> {
+        let part = || (-1.0..1.0f64, -2.0..14.0f64).prop_map(|(part, exponent)| part * 10f64.powf(exponent));
+        (part(), part(), part()).prop_map(|(x, y, z)| DVec3::new(15.0, 10.0, 5.0) + DVec3::new(x, y, z))
+    }
+
+    proptest! {
+        #[test]
+        fn samples_are_few_and_pass_over_no_voxel_of_the_lattice(head in places(), tail in places()) {
+            let tracks = Tracks::new(DIMS, &[[head, tail]], None);
+            prop_assert!(tracks.places.len() <= MOST as usize + 3);
+            prop_assert_eq!(tracks.bones.len(), tracks.places.len());
+            prop_assert_eq!(tracks.ties.len() + 1, tracks.places.len());
+            prop_assert!(tracks.counts[0] >= tracks.places.len() as f64 - 2.0);
+            // Where the bone is in the lattice, to what far ends are rounded to.
+            let slack = 1e-14 * head.abs().max(tail.abs()).max_element();
+            for step in 0..=100 {
+                let Some([enters, leaves]) = within(DVec3::ZERO, DVec3::new(30.0, 20.0, 10.0), head, tail) else { break };
+                let place = head.lerp(tail, enters + (leaves - enters) * f64::from(step) / 100.0);
+                let nearest = tracks.places.iter().map(|p| p.distance(place)).fold(f64::INFINITY, f64::min);
+                prop_assert!(nearest <= 0.5 * STEP + slack, "{} from {}", nearest, place);
+            }
+        }
+    }
+
+    #[test]
+    fn bones_that_fit_into_the_lattice_are_sampled_whole() {
+        let (head, tail) = (DVec3::new(-3.0, 1.0, 2.0), DVec3::new(40.0, 1.0, 2.0));
+        let tracks = Tracks::new(DIMS, &[[head, tail]], None);
+        assert_eq!(tracks.places.len(), 87);
+        assert_eq!(tracks.counts, [87.0]);
+        assert_eq!((tracks.places[0], tracks.places[86]), (head, tail));
+    }
+}
