@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::DVec3;
-use turgor::{Blend, Flesh, FleshFrame, Fleshing, Kind, Match, Method, Parameters, Spine, Twist};
+use turgor::spine::{Blend, Flesh, FleshFrame, Fleshing, Kind, Match, Method, Parameters, Spine, Twist};
 
 const STATIONS: usize = 17;
 

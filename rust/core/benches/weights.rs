@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::DVec3;
-use turgor::{Bones, Surface, WeightSettings, automatic_weights};
+use turgor::weights::{Bones, Surface, WeightSettings, automatic_weights};
 
 const LENGTH: f64 = 8.0;
 

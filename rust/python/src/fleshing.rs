@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use turgor::{Blend, Flesh, FleshFrame, Kind, Match, Twist};
+use turgor::spine::{Blend, Flesh, FleshFrame, Kind, Match, Twist};
 
 use crate::spine::{ClosestPoints, Spine, finite};
 use crate::threads::detached;
@@ -13,14 +13,14 @@ use crate::{TurgorError, arrays, refused};
 /// Points bound to a rest spine.
 #[pyclass(frozen, module = "turgor")]
 pub struct Fleshing {
-    inner: turgor::Fleshing,
+    inner: turgor::spine::Fleshing,
     /// Buffers of calls that have ended, for the next ones.
     frames: Mutex<Vec<FleshFrame>>,
 }
 
 /// Pose of one frame, owned, so that the interpreter can be left.
 struct PoseData {
-    spine: Arc<turgor::Spine>,
+    spine: Arc<turgor::spine::Spine>,
     twist: TwistData,
     slide: f64,
     stretch: bool,
@@ -80,7 +80,7 @@ fn rule_of(name: &str) -> PyResult<Match> {
 }
 
 impl Fleshing {
-    fn wrap(inner: turgor::Fleshing) -> Self {
+    fn wrap(inner: turgor::spine::Fleshing) -> Self {
         Self { inner, frames: Mutex::new(Vec::new()) }
     }
 
@@ -96,7 +96,7 @@ impl Fleshing {
         let (blend, rule) = (blend_of(kind)?, rule_of(rule)?);
         let influence = influence.map(|influence| arrays::numbers(influence, "influence")).transpose()?;
         let spine = Arc::clone(&spine.inner);
-        let inner = detached(py, || turgor::Fleshing::bind(spine, points, blend, rule, influence))?;
+        let inner = detached(py, || turgor::spine::Fleshing::bind(spine, points, blend, rule, influence))?;
         Ok(Self::wrap(inner))
     }
 
@@ -285,7 +285,7 @@ pub fn flesh<'py>(
 /// Figures of one frame of fleshing.
 #[pyclass(frozen, module = "turgor")]
 pub struct FleshingReport {
-    inner: turgor::FleshingReport,
+    inner: turgor::spine::FleshingReport,
 }
 
 #[pymethods]
@@ -304,7 +304,7 @@ impl FleshingReport {
 /// Where a frame of fleshing is exact.
 #[pyclass(frozen, module = "turgor")]
 pub struct Validity {
-    inner: turgor::Validity,
+    inner: turgor::spine::Validity,
 }
 
 #[pymethods]

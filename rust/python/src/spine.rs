@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use turgor::{KnotFlags, Method, Parameters, Resolution};
+use turgor::spine::{KnotFlags, Method, Parameters, Resolution};
 
 use crate::threads::detached;
 use crate::{TurgorError, arrays, refused};
@@ -13,7 +13,7 @@ use crate::{TurgorError, arrays, refused};
 /// The open curve that drives fleshing.
 #[pyclass(frozen, module = "turgor")]
 pub struct Spine {
-    pub inner: Arc<turgor::Spine>,
+    pub inner: Arc<turgor::spine::Spine>,
 }
 
 /// A cyclic curve has no first and no last station.
@@ -36,7 +36,7 @@ fn normal_of(normal: Option<&Bound<'_, PyAny>>) -> PyResult<Option<DVec3>> {
 }
 
 impl Spine {
-    fn wrap(py: Python<'_>, make: impl FnOnce() -> turgor::Result<turgor::Spine> + Send) -> PyResult<Self> {
+    fn wrap(py: Python<'_>, make: impl FnOnce() -> turgor::Result<turgor::spine::Spine> + Send) -> PyResult<Self> {
         Ok(Self { inner: Arc::new(detached(py, make)?) })
     }
 }
@@ -75,7 +75,7 @@ impl Spine {
                 }
             },
         };
-        Self::wrap(py, || turgor::Spine::new(&points, method, parameters, normal))
+        Self::wrap(py, || turgor::spine::Spine::new(&points, method, parameters, normal))
     }
 
     #[staticmethod]
@@ -96,7 +96,7 @@ impl Spine {
         let left = arrays::vectors(left_handles, "left_handles")?;
         let right = arrays::vectors(right_handles, "right_handles")?;
         let resolution = resolution_of(resolution, tolerance)?;
-        Self::wrap(py, || turgor::Spine::from_bezier(&points, &left, &right, resolution, normal))
+        Self::wrap(py, || turgor::spine::Spine::from_bezier(&points, &left, &right, resolution, normal))
     }
 
     #[staticmethod]
@@ -119,7 +119,7 @@ impl Spine {
         let weights = weights.map_or_else(|| Ok(vec![1.0; points.len()]), |weights| arrays::numbers(weights, "weights"))?;
         let flags = KnotFlags { use_endpoint, use_bezier };
         let (order, resolution) = (arrays::count(order, "order")?, resolution_of(resolution, tolerance)?);
-        Self::wrap(py, || turgor::Spine::from_nurbs(&points, &weights, order, flags, resolution, normal))
+        Self::wrap(py, || turgor::spine::Spine::from_nurbs(&points, &weights, order, flags, resolution, normal))
     }
 
     #[staticmethod]
@@ -134,7 +134,7 @@ impl Spine {
         refuse_cyclic(cyclic)?;
         let (points, normal) = (arrays::vectors(points, "points")?, normal_of(normal)?);
         let resolution = resolution_of(Some(resolution), 0.0)?;
-        Self::wrap(py, || turgor::Spine::from_poly(&points, resolution, normal))
+        Self::wrap(py, || turgor::spine::Spine::from_poly(&points, resolution, normal))
     }
 
     #[pyo3(signature = (points, *, normal=None))]
@@ -274,14 +274,14 @@ impl SpineFrames {
 /// Closest points of a spine.
 #[pyclass(frozen, module = "turgor")]
 pub struct ClosestPoints {
-    pub rows: Vec<turgor::ClosestPoint>,
+    pub rows: Vec<turgor::spine::ClosestPoint>,
 }
 
 impl ClosestPoints {
     fn column<'py, T: numpy::Element + Copy>(
         &self,
         py: Python<'py>,
-        value: impl Fn(&turgor::ClosestPoint) -> T,
+        value: impl Fn(&turgor::spine::ClosestPoint) -> T,
     ) -> Bound<'py, PyArray1<T>> {
         arrays::from_numbers(py, &self.rows.iter().map(value).collect::<Vec<T>>())
     }

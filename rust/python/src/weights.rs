@@ -3,7 +3,8 @@
 use glam::DVec3;
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use turgor::{Bones, Error, Plane, Surface, Symmetry, WeightRows, WeightSettings};
+use turgor::Error;
+use turgor::weights::{Bones, Plane, Surface, Symmetry, WeightRows, WeightSettings};
 
 use crate::threads::detached;
 use crate::{TurgorError, arrays, refused};
@@ -11,7 +12,7 @@ use crate::{TurgorError, arrays, refused};
 /// Weights of all meshes, and how they were found.
 #[pyclass(frozen, module = "turgor")]
 pub struct Weights {
-    inner: turgor::Weights,
+    inner: turgor::weights::Weights,
     vertex_starts: Vec<i32>,
 }
 
@@ -165,7 +166,7 @@ pub fn automatic_weights(
     let resolution = resolution.map(|voxels| arrays::count(voxels, "resolution")).transpose()?;
     let max_influences = max_influences.map(|influences| arrays::count(influences, "max_influences")).transpose()?;
     let settings = WeightSettings { resolution, falloff, smoothing, max_influences, symmetry };
-    let result = detached(py, || turgor::automatic_weights(&surfaces, &bones, locked_weights.as_ref(), &settings, &mut report));
+    let result = detached(py, || turgor::weights::automatic_weights(&surfaces, &bones, locked_weights.as_ref(), &settings, &mut report));
     if let Some(error) = raised {
         return Err(error);
     }

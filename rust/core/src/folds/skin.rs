@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::tree::Tree;
 use crate::numeric::csr::Csr;
-use crate::weights::ears;
+use crate::surface::polygons::ears;
 
 /// A face with more corners than this is cut as a fan from its first: cutting ears takes too long.
 const EARS_MAX: usize = 64;

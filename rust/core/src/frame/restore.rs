@@ -3,10 +3,9 @@
 use std::sync::Arc;
 
 use super::pass::{Pass, Restart};
-use super::{ComponentState, JobState, Workspace, widened};
+use super::{ComponentState, JobState, Mask, Workspace, widened};
 use crate::binding::Binding;
 use crate::fields::joint::Joint;
-use crate::fields::mask::Mask;
 use crate::fields::patch_sums::Move;
 use crate::fields::supports::Supports;
 use crate::numeric::lanes;

@@ -3,6 +3,7 @@
 pub(crate) mod measures;
 pub(crate) mod mesh;
 pub(crate) mod patches;
+pub(crate) mod polygons;
 pub(crate) mod strips;
 pub(crate) mod sweeps;
 pub(crate) mod topology;

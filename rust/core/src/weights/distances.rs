@@ -10,12 +10,10 @@ use super::sampling::Sampler;
 use super::skin::Skin;
 use super::solid::Solid;
 use super::sources::{FARTHEST, Source, contact, near_sources, sources, straight_distance};
-use super::voxels::Voxels;
+use super::voxels::{SKIN, Voxels};
 use crate::error::{Error, Result};
 use crate::numeric::csr::Csr;
 
-/// Part of a voxel that surfaces lie from their outermost centres.
-pub const SKIN: f64 = 0.5;
 /// How far bones see while only the nearest one is wanted, in voxels.
 const VIEW: f64 = 4.0;
 /// Voxels beyond the bound of a bone's influence where distances are still found, for places that see them.

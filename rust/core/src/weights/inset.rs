@@ -7,10 +7,9 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::distances::SKIN;
 use super::skin::Skin;
 use super::solid::Solid;
-use super::voxels::Voxels;
+use super::voxels::{SKIN, Voxels};
 use crate::numeric::csr::Csr;
 
 /// How far beneath and above a face is looked for flesh, in voxels.

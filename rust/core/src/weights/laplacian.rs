@@ -8,8 +8,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::delaunay::{Triangulation, double_area};
-use super::polygons::{Cut, cut};
 use crate::numeric::csr::Csr;
+use crate::surface::polygons::{Cut, cut};
 
 /// Area of a triangle against its squared sides below which cotangents grow no further.
 const SLIVER: f64 = 1e-4;

@@ -6,6 +6,7 @@ mod crossings;
 mod delaunay;
 mod diffusion;
 mod distances;
+mod dividing;
 mod geodesic;
 mod initial;
 mod inset;
@@ -14,7 +15,6 @@ mod lattice;
 mod limits;
 mod mirror;
 mod overlap;
-mod polygons;
 mod sampling;
 mod sheets;
 mod shell;
@@ -28,7 +28,6 @@ use glam::DVec3;
 
 pub use lattice::Plane;
 pub use limits::WeightRows;
-pub(crate) use polygons::ears;
 pub use skin::Surface;
 
 use crate::error::{Error, Result, check_finite, check_indices, check_offsets};

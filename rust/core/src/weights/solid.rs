@@ -4,14 +4,14 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::Bones;
+use super::dividing::divide;
 use super::lattice::{Extent, Lattice, Plane};
-use super::polygons::{Cut, cut};
-use super::sheets;
 use super::shell::{MOST_CELLS, shell_cells};
 use super::skin::Skin;
 use super::tracks::Tracks;
 use super::voxels::Voxels;
 use crate::error::{Error, Result};
+use crate::surface::polygons::{Cut, cut};
 
 /// Resolution at which the body is measured before its own is chosen.
 const COARSE: f64 = 64.0;
@@ -95,7 +95,7 @@ impl Solid {
         }
         let ends = bones.heads.iter().zip(bones.tails).map(|(&head, &tail)| [head, tail].map(|p| lattice.in_voxels(p)));
         let tracks = Tracks::new(lattice.dims, &ends.collect::<Vec<_>>(), bones.parents);
-        sheets::divide(&mut voxels, &cells_of_shell, &tracks, bones.heads.len());
+        divide(&mut voxels, &cells_of_shell, &tracks, bones.heads.len());
         Ok((!voxels.is_empty()).then_some(Self { lattice, voxels, points, cells_of_shell }))
     }
 

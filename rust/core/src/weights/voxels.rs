@@ -9,6 +9,9 @@ use crate::numeric::union_find::UnionFind;
 /// No voxel there.
 pub const NONE: u32 = u32::MAX;
 
+/// Part of a voxel that surfaces lie from their outermost centres.
+pub const SKIN: f64 = 0.5;
+
 /// The 26 neighbours: six across faces, opposite ones together, twelve across edges, eight across corners.
 pub const STEPS: [[i8; 3]; 26] = steps();
 /// Across faces.
