@@ -92,9 +92,12 @@ pub(crate) fn check_matrices(what: &'static str, matrices: &[glam::DMat4]) -> Re
     }
 }
 
-/// The same of numbers.
+/// Refuses numbers that are not finite, or too large.
+///
+/// # Errors
+/// Names `what` and the first row that is refused.
 pub fn check_numbers(what: &'static str, numbers: &[f64]) -> Result<()> {
-    match numbers.iter().position(|x| !(x.abs() <= LARGEST)) {
+    match numbers.iter().position(|x| !(-LARGEST..=LARGEST).contains(x)) {
         Some(row) => refuse(what, row, &numbers[row..=row]),
         None => Ok(()),
     }

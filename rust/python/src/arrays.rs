@@ -56,9 +56,15 @@ fn read_shaped<T: numpy::Element + Copy>(
     needed: &str,
     accepts: impl Fn(&[usize]) -> bool,
 ) -> PyResult<(Vec<T>, Vec<usize>)> {
-    let array = contiguous(value, what, dtype)?;
-    let array =
-        array.cast::<PyArrayDyn<T>>().map_err(|_| TurgorError::new_err(format!("{what}: need {dtype}, got {}", describe(value))))?;
+    let lies_well = |array: &&Bound<'_, PyArrayDyn<T>>| array.is_c_contiguous() && array.data().is_aligned();
+    let copy;
+    // Without a call of numpy where there is nothing to convert: frames come with such arrays.
+    let array = if let Some(array) = value.cast::<PyArrayDyn<T>>().ok().filter(lies_well) {
+        array
+    } else {
+        copy = contiguous(value, what, dtype)?;
+        copy.cast::<PyArrayDyn<T>>().map_err(|_| TurgorError::new_err(format!("{what}: need {dtype}, got {}", describe(value))))?
+    };
     if !accepts(array.shape()) {
         return Err(TurgorError::new_err(format!("{what}: need {dtype} {needed}, got {}", describe(value))));
     }

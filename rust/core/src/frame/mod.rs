@@ -284,7 +284,7 @@ impl Workspace {
             if mass > 0.0 {
                 let reach = reach(&armature_from_rest, radius).max(reach(&(self.object * armature_from_rest), radius));
                 // What is no number is too far too.
-                if !(reach <= LARGEST) {
+                if !(0.0..=LARGEST).contains(&reach) {
                     return Err(Error::TooFar { bone: bone.map_or(0, |&bone| bone as usize), reach });
                 }
             }

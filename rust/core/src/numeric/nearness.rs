@@ -90,9 +90,15 @@ impl<'a> PointTree<'a> {
                 self.join(distance, left, right, sets);
             }
             (Some(halves), _) if one.range.len() >= other.range.len() || other.halves.is_none() => {
-                halves.into_iter().for_each(|half| self.join(distance, half, b, sets));
+                for half in halves {
+                    self.join(distance, half, b, sets);
+                }
             }
-            (_, Some(halves)) => halves.into_iter().for_each(|half| self.join(distance, a, half, sets)),
+            (_, Some(halves)) => {
+                for half in halves {
+                    self.join(distance, a, half, sets);
+                }
+            }
             _ => {
                 for &i in &self.order[one.range.clone()] {
                     for &j in &self.order[other.range.clone()] {

@@ -102,7 +102,7 @@ impl JointTree {
             }
         }
         let children = self.children();
-        for joint in 0..self.len() {
+        for (joint, children) in children.iter().enumerate() {
             let head = self.heads[joint];
             let mut above = self.parent(joint);
             let mut along = None;
@@ -113,7 +113,7 @@ impl JointTree {
             self.along_parent.push(along);
             let mut reach = DVec3::ZERO;
             let mut mass = 0.0;
-            for &child in &children[joint] {
+            for &child in children {
                 reach += (self.heads[child] - head) * below[child];
                 mass += below[child];
             }

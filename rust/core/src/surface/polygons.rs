@@ -70,10 +70,10 @@ pub(crate) fn ears(corners: &[DVec3]) -> Vec<[usize; 3]> {
         triangles.push([left[(ear + count - 1) % count], left[ear], left[(ear + 1) % count]]);
         let gone = left.remove(ear);
         states.remove(ear);
-        for i in 0..left.len() {
+        for (i, state) in states.iter_mut().enumerate() {
             let is_beside = i == ear % left.len() || (i + 1) % left.len() == ear % left.len();
-            if is_beside || matches!(states[i], State::Blocked(behind) if behind == gone) {
-                states[i] = state_of(i, &left);
+            if is_beside || matches!(state, State::Blocked(behind) if *behind == gone) {
+                *state = state_of(i, &left);
             }
         }
     }
