@@ -59,7 +59,9 @@ BROKEN_LINES = (
     ),
     BrokenLine("addon/live/frame.py", "or len(positions) != bound.body.vertex_count ", "", _MEASURED),
     # The engine, where its laws are written in Python
-    BrokenLine("rust/core/src/skinning.rs", "let moves = sum > WEIGHT_SUM_MIN", "let moves = sum > 0.0", _SKINNING),
+    BrokenLine(
+        "rust/core/src/skinning/blend.rs", "let moves = sum > WEIGHT_SUM_MIN", "let moves = sum > 0.0", _SKINNING
+    ),
     BrokenLine("rust/core/src/frame/repair.rs", "if is_exact && folds < best.0", "if folds < best.0", _FOLDS),
     BrokenLine(
         "rust/core/src/frame/offsets.rs",
@@ -76,6 +78,6 @@ BROKEN_LINES = (
     ),
     BrokenLine("rust/core/src/frame/offsets.rs", "!binding.sites.is_split() && ", "", _PATHS),
     BrokenLine("rust/core/src/spine/flow.rs", "&self.cells[0]", "&self.cells[70]", ("tests/engine/test_spine_map.py",)),
-    BrokenLine("rust/core/src/mask.rs", "if m < *least { m } else { *least }", "m", _MASKS[:1]),
-    BrokenLine("rust/core/src/mask.rs", "for_each(|m| *m /= most)", "for_each(|_| ())", _MASKS[:1]),
+    BrokenLine("rust/core/src/frame/mask.rs", "if m < *least { m } else { *least }", "m", _MASKS[:1]),
+    BrokenLine("rust/core/src/frame/mask.rs", "for_each(|m| *m /= most)", "for_each(|_| ())", _MASKS[:1]),
 )
