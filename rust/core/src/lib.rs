@@ -38,8 +38,8 @@
 //! [`spine`] bends bodies along curves, every chunk of flesh keeping its volume; [`weights`] computes skinning weights.
 //!
 //! Pure geometry: knows neither Python nor Blender. Lengths are in the caller's units; f64, but for what fields add.
-//! `MATH §n` in comments refers to the formulas collected in `docs/ARCHITECTURE.md`, [RHC09] to Rohmer, Hahmann, Cani:
-//! *Exact volume preserving skinning with shape control*, SCA 2009, [ZR13] to Zhuo, Rossignac: *Fleshing: spine-driven
+//! `MATH §n` in comments refers to the formulas collected in `docs/ARCHITECTURE.md`, \[RHC09\] to Rohmer, Hahmann, Cani:
+//! *Exact volume preserving skinning with shape control*, SCA 2009, \[ZR13\] to Zhuo, Rossignac: *Fleshing: spine-driven
 //! bending with local volume preservation*, 2013.
 
 mod binding;

@@ -21,7 +21,7 @@ pub enum Solver {
     /// All at the skinned pose from one gradient: no order, a few sweeps of the mesh whatever the number of bones.
     #[default]
     Simultaneous,
-    /// Parents first, axis after axis, each on the mesh so far, as in [RHC09]: up to four gradients per joint.
+    /// Parents first, axis after axis, each on the mesh so far, as in \[RHC09\]: up to four gradients per joint.
     Sequential,
 }
 

@@ -35,7 +35,7 @@ fn refused(error: turgor::Error) -> PyErr {
 
 /// Panics, for tests of what becomes of a fault.
 #[pyfunction]
-fn _fault(py: Python<'_>, message: String) -> PyResult<()> {
+fn _fault(py: Python<'_>, message: &str) -> PyResult<()> {
     threads::detached(py, || panic!("{message}"))
 }
 

@@ -1,4 +1,4 @@
-//! Joint after joint, axis after axis, each on the mesh so far: the order of [RHC09].
+//! Joint after joint, axis after axis, each on the mesh so far: the order of \[RHC09\].
 
 use fearless_simd::{Level, dispatch};
 

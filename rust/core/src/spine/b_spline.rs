@@ -1,4 +1,4 @@
-//! B-splines by de Boor's scheme: the quintic ones of [ZR13], and rational ones as Blender has them.
+//! B-splines by de Boor's scheme: the quintic ones of \[ZR13\], and rational ones as Blender has them.
 
 use glam::{DVec3, DVec4};
 
@@ -25,7 +25,7 @@ pub struct KnotFlags {
 }
 
 impl BSpline {
-    /// The quintic spline of [ZR13] that begins and ends at its control points; of lower degree where there are fewer than
+    /// The quintic spline of \[ZR13\] that begins and ends at its control points; of lower degree where there are fewer than
     /// six. Knots are means of the control points' `parameters`, so that speed follows their distances.
     pub fn clamped(parameters: &[f64], points: &[DVec3]) -> Self {
         let degree = DEGREE_MAX.min(points.len() - 1);

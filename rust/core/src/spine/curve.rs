@@ -30,9 +30,9 @@ pub enum Method {
     /// Quintic, four times differentiable, through the points, straight at its ends.
     #[default]
     Spline,
-    /// One polynomial through the points [ZR13].
+    /// One polynomial through the points \[ZR13\].
     Polynomial,
-    /// Quintic non-uniform B-spline over the points [ZR13].
+    /// Quintic non-uniform B-spline over the points \[ZR13\].
     BSpline,
 }
 

@@ -1,4 +1,4 @@
-//! The polynomial through all points [ZR13], by Neville's scheme.
+//! The polynomial through all points \[ZR13\], by Neville's scheme.
 
 use glam::DVec3;
 
