@@ -9,15 +9,16 @@ import bpy
 
 from .. import runtime
 from ..scene import spine_stack, stack
+from ..states import AnyState
 from .outcome import CommandError
 
 
 class Subject(NamedTuple):
-    """An object, and what is known of one of its modifiers of ours."""
+    """An object, and the state of one of its modifiers of ours."""
 
     object: bpy.types.Object
     modifier: str  # VOLUME or SPINE
-    known: runtime.Character
+    state: AnyState
 
 
 def objects_with_turgor(names: Sequence[str]) -> list[bpy.types.Object]:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import runtime
+from ..logic.character_figures import SpineFigures, VolumeFigures
 from ..logic.shells import Shells
 from ..messages import message
 from ..messages import of_error as message_of
@@ -141,7 +142,7 @@ def _of_state(
     return found
 
 
-def of_figures(target: bpy.types.Object, figures: runtime.Figures, strengths: dict[str, float]) -> tuple[Finding, ...]:
+def of_figures(target: bpy.types.Object, figures: VolumeFigures, strengths: dict[str, float]) -> tuple[Finding, ...]:
     """Of one frame of Turgor Volume: joints out of room, volume that settings leave out, folds.
 
     strengths: by joint.
@@ -178,7 +179,7 @@ def of_figures(target: bpy.types.Object, figures: runtime.Figures, strengths: di
     return tuple(found)
 
 
-def _of_capped_joints(target: bpy.types.Object, figures: runtime.Figures) -> list[Finding]:
+def _of_capped_joints(target: bpy.types.Object, figures: VolumeFigures) -> list[Finding]:
     capped = [name for name, joint in figures.joints.items() if joint.is_capped and abs(joint.lost) >= NOTABLE_PERCENT]
     capped.sort(key=lambda name: -abs(figures.joints[name].lost))
     found = []
@@ -194,7 +195,7 @@ def _of_capped_joints(target: bpy.types.Object, figures: runtime.Figures) -> lis
     return found
 
 
-def of_spine_figures(figures: runtime.SpineFigures) -> tuple[Finding, ...]:
+def of_spine_figures(figures: SpineFigures) -> tuple[Finding, ...]:
     """Of one frame of Turgor Spine."""
     if not figures.clamped_count:
         return ()

@@ -12,7 +12,6 @@ from .. import runtime
 from ..logic.shown import Shown
 from ..scene import modifier_inputs, node_group, stack
 from . import frame
-from .binding import Bound
 
 # Of each character, by uid: what its last frame was made of, and that frame.
 _last: dict[int, tuple[tuple[object, ...], Shown]] = {}
@@ -20,13 +19,13 @@ _last: dict[int, tuple[tuple[object, ...], Shown]] = {}
 
 def look(ob: bpy.types.Object) -> Shown | None:
     """The same object again while nothing changed; None where there is nothing to show."""
-    known = runtime.session.characters.get(ob.session_uid)
-    bound: Bound | None = None if known is None else known.body
-    if bound is None:
+    character = runtime.session.characters.get(ob.session_uid)
+    if character is None or character.binding is None:
         return None
+    bound = character.binding
     target = ob.evaluated_get(bpy.context.view_layer.depsgraph)
     try:
-        asked = frame.read(target, known, bound)
+        asked = frame.read(target, character, bound)
         strength = _strength(target)
     except ValueError:  # the frame itself says so, in the panel
         return None
@@ -52,8 +51,8 @@ def forget() -> None:
 
 def observe(depsgraph: bpy.types.Depsgraph) -> None:
     """Figures of characters whose modifier is off in this evaluation, so that Before has some too."""
-    for uid, known in list(runtime.session.characters.items()):
-        ob = runtime.object_of(uid, known, bpy.data.objects)
+    for uid, character in list(runtime.session.characters.items()):
+        ob = runtime.object_of(uid, character, bpy.data.objects)
         ours = None if ob is None else stack.volume_modifier(ob)
         if ours is not None and not ours.show_viewport:
             target = ob.evaluated_get(depsgraph)

@@ -128,3 +128,19 @@ class Region:
         is_new = np.zeros(len(edges.ends), bool)
         is_new[edges.of_corners[made.is_new[made.faces.of_corners]]] = True
         return made, edges.ends[is_new]
+
+
+class MotionNeed(NamedTuple):
+    """What a motion asks for, kept with the character."""
+
+    state: object  # of what it depends on, but for the motion
+    motion: str  # fingerprint of the poses
+    need: Need
+    regions: dict[Options, Region]  # the last that was looked at
+
+    def region(self, options: Options) -> Region:
+        """The region under these options, the same object for the same options."""
+        if options not in self.regions:
+            self.regions.clear()
+            self.regions[options] = Region(self.need, options)
+        return self.regions[options]

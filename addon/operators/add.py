@@ -53,7 +53,7 @@ class OBJECT_OT_turgor_volume_add(bpy.types.Operator):
 
 def _look_over(scene: bpy.types.Scene, ob: bpy.types.Object) -> None:
     """Find the joints that matter, and show the settings of the one that matters most."""
-    if runtime.character(ob.session_uid).body is None:
+    if runtime.character(ob.session_uid).binding is None:
         return
     try:
         measuring.measure(ob, sampling.quick_frames(ob, sampling.scene_frames(scene)))

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
 import gpu
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 from gpu_extras.batch import batch_for_shader
+from numpy.typing import NDArray
 
 from .. import runtime
 from ..messages import signed_percent
 from . import text
 from .characters import MODES, active_joint
 from .over_skin import draw_front, over_skin
+
+if TYPE_CHECKING:
+    from ..logic.shown import Colors, Shown
 
 # Of the legend, in widgets.
 BAR_WIDTH, BAR_HEIGHT = 9.0, 0.5
@@ -24,10 +28,10 @@ BAR_WIDTH, BAR_HEIGHT = 9.0, 0.5
 class _Drawn(NamedTuple):
     """What is on the graphics card for one character."""
 
-    shown: Any  # logic.shown.Shown
+    shown: Shown
     key: tuple[object, ...]
-    colors: Any  # logic.shown.Colors
-    triangles: Any
+    colors: Colors
+    triangles: NDArray[np.int32]
     elements: gpu.types.GPUIndexBuf
     batch: gpu.types.GPUBatch
 
@@ -83,8 +87,7 @@ def free(ob: bpy.types.Object) -> None:
 
 
 def _prepare(ob: bpy.types.Object) -> _Drawn | None:
-    look = runtime.session.look
-    shown = None if look is None else look(ob)
+    shown = runtime.session.look(ob)
     if shown is None:
         _drawn.pop(ob.session_uid, None)
         return None
@@ -108,7 +111,9 @@ def _prepare(ob: bpy.types.Object) -> _Drawn | None:
     return drawn
 
 
-def _batch(positions: Any, colors: Any, elements: gpu.types.GPUIndexBuf) -> gpu.types.GPUBatch:
+def _batch(
+    positions: NDArray[np.float32], colors: NDArray[np.float32], elements: gpu.types.GPUIndexBuf
+) -> gpu.types.GPUBatch:
     layout = gpu.types.GPUVertFormat()
     layout.attr_add(id="pos", comp_type="F32", len=3, fetch_mode="FLOAT")
     layout.attr_add(id="color", comp_type="F32", len=4, fetch_mode="FLOAT")
@@ -129,7 +134,7 @@ def _value(context: bpy.types.Context, heat: str, value: float) -> str:
     return bpy.utils.units.to_string(units.system, "LENGTH", value * units.scale_length, precision=3)
 
 
-def _draw_bar(color_map: Any, x: float, y: float, width: float, height: float) -> None:
+def _draw_bar(color_map: NDArray[np.float32], x: float, y: float, width: float, height: float) -> None:
     at = x + np.linspace(0.0, width, len(color_map))
     points = np.zeros((len(at), 2, 2), np.float32)
     points[:, :, 0] = at[:, None]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import bpy
 import gpu
@@ -14,6 +14,9 @@ from gpu_extras.batch import batch_for_shader
 from .. import runtime
 from . import text
 from .characters import active_joint
+
+if TYPE_CHECKING:
+    from turgor import JointField
 
 NAMES = ("Along the parent", "Hinge", "Inside of the bend")
 # Of Blender's axes in the theme: the colors artists know.
@@ -62,9 +65,8 @@ def draw_names(context: bpy.types.Context, ob: bpy.types.Object) -> None:
         text.tag(label, left, tip.y - 0.35 * text.size(), color)
 
 
-def _field(ob: bpy.types.Object) -> Any:
-    look = runtime.session.look
-    shown = None if look is None else look(ob)
+def _field(ob: bpy.types.Object) -> JointField | None:
+    shown = runtime.session.look(ob)
     return None if shown is None else shown.joint_field(active_joint(ob))
 
 
@@ -74,7 +76,7 @@ def _color(axis: int, share: float) -> text.Color:
     return red, green, blue, 1.0 if axis == 0 else max(float(share), FAINTEST)
 
 
-def _arrow(field: Any, axis: int, world: np.ndarray) -> np.ndarray:
+def _arrow(field: JointField, axis: int, world: np.ndarray) -> np.ndarray:
     """(10, 3) pairs of points of the shaft and the head, world space; the second is the tip."""
     tip, start = field.origin + field.length * field.axes[axis], field.origin
     along = field.length * field.axes[axis]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
 import gpu
@@ -14,6 +14,10 @@ from . import text
 from .characters import MODES
 from .over_skin import draw_front, over_skin
 
+if TYPE_CHECKING:
+    from ..logic.refined_region import Region
+    from ..logic.shown import Shown
+
 COLOR, LINE_COLOR = (0.2, 0.65, 1.0, 0.28), (0.05, 0.3, 0.6, 0.9)
 LINE_WIDTH = 1.0
 
@@ -21,8 +25,8 @@ LINE_WIDTH = 1.0
 class _Drawn(NamedTuple):
     """What is on the graphics card for one character."""
 
-    shown: Any  # logic.shown.Shown
-    region: Any  # logic.refined_region.Region
+    shown: Shown
+    region: Region
     faces: gpu.types.GPUBatch
     lines: gpu.types.GPUBatch
 
@@ -63,9 +67,7 @@ def free(ob: bpy.types.Object) -> None:
 
 
 def _prepare(ob: bpy.types.Object) -> _Drawn | None:
-    look, look_refined = runtime.session.look, runtime.session.look_refined
-    shown = None if look is None else look(ob)
-    region = None if look_refined is None else look_refined(ob)
+    shown, region = runtime.session.look(ob), runtime.session.look_refined(ob)
     if shown is None or region is None or not len(region.triangles):
         _drawn.pop(ob.session_uid, None)
         return None

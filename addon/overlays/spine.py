@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
 import gpu
@@ -11,6 +11,9 @@ from gpu_extras.batch import batch_for_shader
 from numpy.typing import NDArray
 
 from .. import runtime
+
+if TYPE_CHECKING:
+    from ..logic.sketch import Sketch
 
 REST_COLOR = (0.55, 0.55, 0.6, 0.8)
 SPINE_COLOR = (1.0, 0.62, 0.2, 1.0)
@@ -26,16 +29,16 @@ def draw() -> None:
     """In world space, over the mesh; at once done without a body that wants it."""
     if not runtime.session.spines or not bpy.context.space_data.overlay.show_overlays:
         return
-    for known in list(runtime.session.spines.values()):
-        sketch = known.sketch
+    for state in list(runtime.session.spines.values()):
+        sketch = state.sketch
         if sketch is None:
             continue
-        ob = bpy.context.view_layer.objects.get(known.name)
+        ob = bpy.context.view_layer.objects.get(state.name)
         if ob is not None and ob.turgor_spine.show_overlay and ob.visible_get():
             _draw(sketch())
 
 
-def _draw(sketch: Any) -> None:
+def _draw(sketch: Sketch) -> None:
     gpu.state.blend_set("ALPHA")
     try:
         _lines(_segments(sketch.rest), REST_COLOR, LINE_WIDTH)

@@ -41,12 +41,12 @@ def draw_on_top() -> None:
     context = bpy.context
     x = y = None
     graphed = None
-    for ob, known in shown(context):
+    for ob, character in shown(context):
         if ob.turgor.display.show_graph and (graphed is None or ob == context.object):
-            graphed = ob, known
+            graphed = ob, character
         display = ob.turgor.display
         if display.show_joint_readout:
-            readout.draw_joints(context, ob, known)
+            readout.draw_joints(context, ob, character)
         if display.show_axes:
             joint_axes.draw_names(context, ob)
         if not display.show_readout and not heat.is_wanted(ob):
@@ -54,7 +54,7 @@ def draw_on_top() -> None:
         if y is None:
             x, y = text.first_line(context, text.visible_rect(context))
         if display.show_readout:
-            y = readout.draw(ob, known, x, y)
+            y = readout.draw(ob, character, x, y)
         y = heat.draw_legend(context, ob, x, y)
     # One graph has place: of the active character, or of the first.
     if graphed is not None:

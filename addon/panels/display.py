@@ -38,8 +38,8 @@ class TURGOR_PT_performance(VolumeSubpanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         ob = context.object
-        known = runtime.session.characters.get(ob.session_uid)
-        timing = None if known is None else known.timing
+        character = runtime.session.characters.get(ob.session_uid)
+        timing = None if character is None else character.timing
         if timing is None:
             self.layout.label(text="Off in the viewport", icon="INFO")
             return

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 
 from .. import runtime
 from ..messages import signed_percent
+
+if TYPE_CHECKING:
+    from ..logic.character_figures import JointFigures
 
 # Losses below this many percent of the rest volume are drawn without emphasis.
 NOTABLE_PERCENT = 0.005
@@ -163,7 +168,7 @@ def _draw_gap(row: bpy.types.UILayout, width: float) -> None:
     gap.label()
 
 
-def _draw_numbers(cells: list[bpy.types.UILayout], figures: runtime.JointFigures | None) -> None:
+def _draw_numbers(cells: list[bpy.types.UILayout], figures: JointFigures | None) -> None:
     if figures is None:
         cells[-1].label(text="–")
         return
@@ -194,7 +199,7 @@ def _places(keys: list[float] | list[str]) -> list[int]:
     return places
 
 
-def _figures(ob: bpy.types.Object) -> dict[str, runtime.JointFigures] | None:
-    known = runtime.session.characters.get(ob.session_uid)
-    figures = None if known is None else known.figures
+def _figures(ob: bpy.types.Object) -> dict[str, JointFigures] | None:
+    character = runtime.session.characters.get(ob.session_uid)
+    figures = None if character is None else character.figures
     return None if figures is None else figures.joints

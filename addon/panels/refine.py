@@ -30,8 +30,7 @@ class TURGOR_PT_refine(VolumeSubpanel, bpy.types.Panel):
 
 
 def _draw_counts(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
-    look = runtime.session.look_refined
-    region = None if look is None else look(ob)
+    region = runtime.session.look_refined(ob)
     if region is None:
         return
     column = layout.box().column(align=True)
