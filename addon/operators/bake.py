@@ -125,6 +125,12 @@ class OBJECT_OT_turgor_bake_remove(bpy.types.Operator):
         return {"FINISHED"}
 
 
+CLASSES = (
+    OBJECT_OT_turgor_bake,
+    OBJECT_OT_turgor_bake_remove,
+)
+
+
 def options_of(target: bpy.types.Object, scene: bpy.types.Scene) -> options.Options:
     """As its settings say. Raises frame_range.FrameRangeError, options.BakeError."""
     saved = target.turgor_bake

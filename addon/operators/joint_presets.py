@@ -59,6 +59,12 @@ class OBJECT_OT_turgor_joint_preset_add(EditsJoints, AddPresetBase, bpy.types.Op
             Path(filepath).unlink()
 
 
+CLASSES = (
+    OBJECT_OT_turgor_joint_preset,
+    OBJECT_OT_turgor_joint_preset_add,
+)
+
+
 def register() -> None:
     bpy.utils.register_preset_path(SHIPPED)
 

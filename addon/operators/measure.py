@@ -34,3 +34,6 @@ class OBJECT_OT_turgor_volume_measure(bpy.types.Operator):
         if motion.frames is None:
             self.report({"INFO"}, "Nothing moves in these frames: each joint was turned in turn instead")
         return {"FINISHED"}
+
+
+CLASSES = (OBJECT_OT_turgor_volume_measure,)

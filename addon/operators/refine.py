@@ -67,3 +67,6 @@ class OBJECT_OT_turgor_refine(bpy.types.Operator):
             text = f"{text}; {more.format(count=made.short_count, levels=self.levels)}"
         self.report({"INFO"}, text)
         return {"FINISHED"}
+
+
+CLASSES = (OBJECT_OT_turgor_refine,)

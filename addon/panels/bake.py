@@ -52,6 +52,13 @@ class TURGOR_PT_baked(ModifierTab, bpy.types.Panel):
         self.layout.operator("object.turgor_bake_remove", icon="TRASH")
 
 
+CLASSES = (
+    TURGOR_PT_bake,
+    TURGOR_PT_spine_bake,
+    TURGOR_PT_baked,
+)
+
+
 def draw_bake(layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy.types.Object) -> None:
     """Settings, the button, and what the last bake came to."""
     saved = ob.turgor_bake

@@ -40,6 +40,9 @@ class TURGOR_PT_curves(VolumeSubpanel, bpy.types.Panel):
         draw_curves(self.layout, context.object)
 
 
+CLASSES = (TURGOR_PT_curves,)
+
+
 def draw_curves(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
     """Of the active joint, both sets and what leads from one to the other."""
     joint = active_joint(ob)

@@ -51,6 +51,12 @@ class TURGOR_PT_performance(VolumeSubpanel, bpy.types.Panel):
         _draw_modifiers(column, ob.evaluated_get(context.view_layer.depsgraph))
 
 
+CLASSES = (
+    TURGOR_PT_display,
+    TURGOR_PT_performance,
+)
+
+
 def _draw_modifiers(column: bpy.types.UILayout, evaluated: bpy.types.Object) -> None:
     """As Blender measured them, 0 where it did not: not with several in parallel."""
     ours = runtime.session.find_modifier(evaluated)

@@ -148,6 +148,12 @@ class TURGOR_MT_joints(bpy.types.Menu):
         layout.operator("object.turgor_volume_measure", icon="TIME")
 
 
+CLASSES = (
+    TURGOR_UL_joints,
+    TURGOR_MT_joints,
+)
+
+
 def _draw_header(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     header = layout.row(align=True)
     header.active = False

@@ -19,6 +19,9 @@ class TURGOR_PT_masks(VolumeSubpanel, bpy.types.Panel):
         _draw_group(column, ob, "pin_group")
 
 
+CLASSES = (TURGOR_PT_masks,)
+
+
 def _draw_group(layout: bpy.types.UILayout, ob: bpy.types.Object, setting: str) -> None:
     saved = ob.turgor
     name = getattr(saved, setting)

@@ -29,6 +29,9 @@ class TURGOR_PT_refine(VolumeSubpanel, bpy.types.Panel):
         layout.operator("object.turgor_refine", icon="MOD_SUBSURF")
 
 
+CLASSES = (TURGOR_PT_refine,)
+
+
 def _draw_counts(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
     region = runtime.session.look_refined(ob)
     if region is None:

@@ -40,6 +40,9 @@ class TURGOR_PT_sidebar(bpy.types.Panel):
             draw_curves(self.layout, ob)
 
 
+CLASSES = (TURGOR_PT_sidebar,)
+
+
 def shown_characters(context: bpy.types.Context) -> list[bpy.types.Object]:
     """The active object, or those that the active armature deforms."""
     ob = context.object

@@ -61,6 +61,12 @@ class TURGOR_PT_spine_settings(ModifierTab, bpy.types.Panel):
         draw_timing(self.layout, _state_of(ob))
 
 
+CLASSES = (
+    TURGOR_PT_spine,
+    TURGOR_PT_spine_settings,
+)
+
+
 def has_spine(ob: bpy.types.Object | None) -> bool:
     return ob is not None and ob.type == "MESH" and ob.turgor_spine.version > 0
 

@@ -58,20 +58,7 @@ class VolumeSubpanel(ModifierTab):
         return has_volume(context.object)
 
 
-class TURGOR_PT_settings(VolumeSubpanel, bpy.types.Panel):
-    bl_label = "Settings"
-
-    def draw(self, context: bpy.types.Context) -> None:
-        ob = context.object
-        column = self.layout.column()
-        column.use_property_split = True
-        column.prop(ob.turgor, "target_volume")
-        column.prop(ob.turgor, "keep_bone_scale")
-        column.prop(ob.turgor, "solver")
-        column.prop(ob.turgor, "repair_folds")
-        buttons = self.layout.row(align=True)
-        buttons.operator("object.turgor_volume_rebind", icon="FILE_REFRESH")
-        buttons.operator("object.turgor_volume_remove", text="Remove", icon="X")
+CLASSES = (TURGOR_PT_volume,)
 
 
 def has_volume(ob: bpy.types.Object | None) -> bool:
