@@ -17,8 +17,8 @@ from uuid import uuid4
 import bpy
 
 from .logic.finding import Finding
+from .logic.overlay_frame import OverlayFrame
 from .logic.refined_region import Region
-from .logic.shown import Shown
 from .states import AnyState, SpineState, VolumeState
 
 log = logging.getLogger("turgor")
@@ -39,7 +39,7 @@ class Look(Protocol):
     None where there is nothing to show. For draw callbacks: what it returns lives while the viewport is drawn.
     """
 
-    def __call__(self, ob: bpy.types.Object, /) -> Shown | None: ...
+    def __call__(self, ob: bpy.types.Object, /) -> OverlayFrame | None: ...
 
 
 class LookRefined(Protocol):

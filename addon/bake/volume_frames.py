@@ -57,7 +57,7 @@ class VolumeFrames:
     @property
     def rest_positions(self) -> NDArray[np.float32]:
         """(N, 3) those of `rest`."""
-        return self._bound.body.flesh.anatomy.rest_positions
+        return self._bound.body.rest.positions
 
     @property
     def leaders(self) -> list[bpy.types.ID]:

@@ -248,12 +248,12 @@ def _need(target: bpy.types.Object, bound: VolumeBinding, samples: Sequence[Samp
     for batch in sampling.batches(samples):
         need = _of_batch(batch, bound)
         gamma, edge_lengths = np.maximum(gamma, need.gamma), np.minimum(edge_lengths, need.edge_lengths)
-    anatomy = bound.body.flesh.anatomy
-    faces = Faces(anatomy.face_offsets, anatomy.face_corners)
+    geometry = bound.body.rest
+    faces = Faces(geometry.face_offsets, geometry.face_corners)
     read = refined_mesh.read_surface(target.data)
     armature = stack.armature_modifier(target)
     origins = face_origins.face_origins(target, armature, target.turgor.bound_frame)
-    return Need(surface(*read[1:]), faces, anatomy.rest_positions, origins, gamma, edge_lengths)
+    return Need(surface(*read[1:]), faces, geometry.positions, origins, gamma, edge_lengths)
 
 
 def _of_batch(batch: Sequence[Sample], bound: VolumeBinding) -> turgor.RefinementNeed:

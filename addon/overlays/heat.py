@@ -19,7 +19,7 @@ from .characters import MODES, active_joint
 from .over_skin import draw_front, over_skin
 
 if TYPE_CHECKING:
-    from ..logic.shown import Colors, Shown
+    from ..logic.overlay_frame import Colors, OverlayFrame
 
 # Of the legend, in widgets.
 BAR_WIDTH, BAR_HEIGHT = 9.0, 0.5
@@ -28,7 +28,7 @@ BAR_WIDTH, BAR_HEIGHT = 9.0, 0.5
 class _Drawn(NamedTuple):
     """What is on the graphics card for one character."""
 
-    shown: Shown
+    frame: OverlayFrame
     key: tuple[object, ...]
     colors: Colors
     triangles: NDArray[np.int32]
@@ -45,7 +45,7 @@ def draw(context: bpy.types.Context, ob: bpy.types.Object) -> None:
     drawn = _prepare(ob)
     if drawn is None:
         return
-    with over_skin(context, ob, drawn.shown.flesh.edge_length):
+    with over_skin(context, ob, drawn.frame.rest.edge_length):
         draw_front(drawn.batch, gpu.shader.from_builtin("SMOOTH_COLOR"))
 
 
@@ -87,27 +87,27 @@ def free(ob: bpy.types.Object) -> None:
 
 
 def _prepare(ob: bpy.types.Object) -> _Drawn | None:
-    shown = runtime.session.look(ob)
-    if shown is None:
+    frame = runtime.session.look(ob)
+    if frame is None:
         _drawn.pop(ob.session_uid, None)
         return None
     display, joint = ob.turgor.display, active_joint(ob)
     world = np.array(ob.matrix_world, np.float64)
     key = (display.heat, joint, display.heat_range, display.opacity, world[:3, :3].tobytes())
     before = _drawn.get(ob.session_uid)
-    if before is not None and before.shown is shown and before.key == key:
+    if before is not None and before.frame is frame and before.key == key:
         return before
-    colors = shown.heat(display.heat, joint, world, display.heat_range, display.opacity)
+    colors = frame.heat(display.heat, joint, world, display.heat_range, display.opacity)
     if colors is None:
         _drawn.pop(ob.session_uid, None)
         return None
-    triangles = shown.flesh.triangles
+    triangles = frame.rest.triangles
     if before is not None and before.triangles is triangles:
         elements = before.elements
     else:
         elements = gpu.types.GPUIndexBuf(type="TRIS", seq=np.ascontiguousarray(triangles))
-    batch = _batch(shown.positions, colors.colors, elements)
-    drawn = _drawn[ob.session_uid] = _Drawn(shown, key, colors, triangles, elements, batch)
+    batch = _batch(frame.positions, colors.colors, elements)
+    drawn = _drawn[ob.session_uid] = _Drawn(frame, key, colors, triangles, elements, batch)
     return drawn
 
 

@@ -66,8 +66,8 @@ def draw_names(context: bpy.types.Context, ob: bpy.types.Object) -> None:
 
 
 def _field(ob: bpy.types.Object) -> JointField | None:
-    shown = runtime.session.look(ob)
-    return None if shown is None else shown.joint_field(active_joint(ob))
+    frame = runtime.session.look(ob)
+    return None if frame is None else frame.joint_field(active_joint(ob))
 
 
 def _color(axis: int, share: float) -> text.Color:

@@ -49,13 +49,13 @@ def draw(ob: bpy.types.Object, character: VolumeState, x: float, y: float) -> fl
 
 def draw_joints(context: bpy.types.Context, ob: bpy.types.Object, character: VolumeState) -> None:
     """At each notable joint what skinning took and Turgor gave back; at the active one always, with its name."""
-    figures, shown = character.figures, runtime.session.look(ob)
-    if figures is None or shown is None:
+    figures, frame = character.figures, runtime.session.look(ob)
+    if figures is None or frame is None:
         return
     active = active_joint(ob)
     taken: list[text.Rect] = []
     for name in _notable(figures.joints, active):
-        origin = shown.joint_origin(name)
+        origin = frame.joint_origin(name)
         place = None if origin is None else _on_screen(context, ob, origin)
         if place is not None:
             _draw_joint(name, figures.joints[name], place, taken, is_active=name == active)

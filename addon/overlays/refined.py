@@ -15,8 +15,8 @@ from .characters import MODES
 from .over_skin import draw_front, over_skin
 
 if TYPE_CHECKING:
+    from ..logic.overlay_frame import OverlayFrame
     from ..logic.refined_region import Region
-    from ..logic.shown import Shown
 
 COLOR, LINE_COLOR = (0.2, 0.65, 1.0, 0.28), (0.05, 0.3, 0.6, 0.9)
 LINE_WIDTH = 1.0
@@ -25,7 +25,7 @@ LINE_WIDTH = 1.0
 class _Drawn(NamedTuple):
     """What is on the graphics card for one character."""
 
-    shown: Shown
+    frame: OverlayFrame
     region: Region
     faces: gpu.types.GPUBatch
     lines: gpu.types.GPUBatch
@@ -46,7 +46,7 @@ def draw(context: bpy.types.Context, ob: bpy.types.Object) -> None:
     if drawn is None:
         return
     plain, wide = gpu.shader.from_builtin("UNIFORM_COLOR"), gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
-    with over_skin(context, ob, drawn.shown.flesh.edge_length):
+    with over_skin(context, ob, drawn.frame.rest.edge_length):
         plain.uniform_float("color", COLOR)
         draw_front(drawn.faces, plain)
         wide.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
@@ -67,19 +67,19 @@ def free(ob: bpy.types.Object) -> None:
 
 
 def _prepare(ob: bpy.types.Object) -> _Drawn | None:
-    shown, region = runtime.session.look(ob), runtime.session.look_refined(ob)
-    if shown is None or region is None or not len(region.triangles):
+    frame, region = runtime.session.look(ob), runtime.session.look_refined(ob)
+    if frame is None or region is None or not len(region.triangles):
         _drawn.pop(ob.session_uid, None)
         return None
     before = _drawn.get(ob.session_uid)
-    if before is not None and before.shown is shown and before.region is region:
+    if before is not None and before.frame is frame and before.region is region:
         return before
-    positions = shown.positions
+    positions = frame.positions
     faces = batch_for_shader(
         gpu.shader.from_builtin("UNIFORM_COLOR"), "TRIS", {"pos": positions[region.triangles].reshape(-1, 3)}
     )
     lines = batch_for_shader(
         gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR"), "LINES", {"pos": region.lines(positions)}
     )
-    drawn = _drawn[ob.session_uid] = _Drawn(shown, region, faces, lines)
+    drawn = _drawn[ob.session_uid] = _Drawn(frame, region, faces, lines)
     return drawn

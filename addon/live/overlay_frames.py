@@ -9,15 +9,15 @@ import bpy
 import numpy as np
 
 from .. import runtime
-from ..logic.shown import Shown
+from ..logic.overlay_frame import OverlayFrame
 from ..scene import modifier_inputs, node_group, stack
 from . import frame
 
 # Of each character, by uid: what its last frame was made of, and that frame.
-_last: dict[int, tuple[tuple[object, ...], Shown]] = {}
+_last: dict[int, tuple[tuple[object, ...], OverlayFrame]] = {}
 
 
-def look(ob: bpy.types.Object) -> Shown | None:
+def look(ob: bpy.types.Object) -> OverlayFrame | None:
     """The same object again while nothing changed; None where there is nothing to show."""
     character = runtime.session.characters.get(ob.session_uid)
     if character is None or character.binding is None:
@@ -38,7 +38,9 @@ def look(ob: bpy.types.Object) -> Shown | None:
     if last is None or last[0] != key:
         last = (
             key,
-            Shown(asked.engine, bound.body.flesh, bound.bones.names, asked.pose_matrices, asked.options, strength),
+            OverlayFrame(
+                asked.engine, bound.body.rest, bound.bones.names, asked.pose_matrices, asked.options, strength
+            ),
         )
         _last[ob.session_uid] = last
     return last[1]
