@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..logic import joints
 from ..logic.profiles import Profiles, Tables
+from ..properties.joint import BLEND_NAMES
 from ..properties.profiles import PRESET_NAMES
 from ..scene import frame, settings
 from ..states import SettledEngine, VolumeBinding, VolumeState
@@ -75,7 +76,7 @@ def _joints(target: bpy.types.Object, saved: settings.BodySettings, bound: Volum
             tables.get((place, False)),
         )
         second = saved.seconds.get(place)
-        by_value = arrays.blend_modes[place] == settings.BLEND_BY_VALUE
+        by_value = BLEND_NAMES[arrays.blend_modes[place]] == "VALUE"
         joint = joints.JointSettings(
             index[name],
             float(strengths[place]),

@@ -9,12 +9,12 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-# Blend modes by their number in `properties.joint.BLENDS`.
-NO_BLEND, BLEND_BY_VALUE, BLEND_BY_LOSS = range(3)
-
 
 class JointArrays(NamedTuple):
-    """J joints in saved order; presets by their number in `properties.profiles.PRESETS`."""
+    """J joints in saved order.
+
+    Presets by their number in `properties.profiles.PRESETS`, blend modes in `properties.joint.BLENDS`: 0 is no blend.
+    """
 
     presets: NDArray[np.int32]  # (J,)
     curve_sources: NDArray[np.int32]  # (J,)
