@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import bpy
 
 from .. import runtime
+from ..properties.saved import volume_settings
 from ..states import VolumeState
 
 # Modes in which the viewport shows the mesh as its modifiers leave it, and no colors of its own.
@@ -21,13 +22,14 @@ def shown(context: bpy.types.Context) -> Iterator[tuple[bpy.types.Object, Volume
     objects = context.view_layer.objects
     for uid, character in list(runtime.session.characters.items()):
         ob = runtime.object_of(uid, character, objects)
-        if ob is not None and ob.turgor.version > 0 and ob.visible_in_viewport_get(space):
+        if ob is not None and volume_settings(ob).version > 0 and ob.visible_in_viewport_get(space):
             yield ob, character
 
 
 def active_joint(ob: bpy.types.Object) -> str:
     """The name of its bone; empty without one."""
-    joints, active = ob.turgor.joints, ob.turgor.active_joint
+    saved = volume_settings(ob)
+    joints, active = saved.joints, saved.active_joint
     return joints[active].name if 0 <= active < len(joints) else ""
 
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from .. import runtime
 from ..messages import signed_percent
+from ..properties.saved import volume_settings
 from . import text
 from .characters import MODES, active_joint
 from .over_skin import draw_front, over_skin
@@ -55,7 +56,7 @@ def draw_legend(context: bpy.types.Context, ob: bpy.types.Object, x: float, y: f
     if drawn is None or not is_wanted(ob):
         return y
     unit, line = text.unit(), text.LINE_HEIGHT * text.unit()
-    display = ob.turgor.display
+    display = volume_settings(ob).display
     title = iface_(display.bl_rna.properties["heat"].enum_items[display.heat].name)
     if display.heat == "WEIGHT":
         title = f"{title}: {active_joint(ob)}"
@@ -72,7 +73,7 @@ def draw_legend(context: bpy.types.Context, ob: bpy.types.Object, x: float, y: f
 
 def is_wanted(ob: bpy.types.Object) -> bool:
     """Whether the object shows a heat map now."""
-    return ob.turgor.display.heat != "NONE" and ob.mode in MODES
+    return volume_settings(ob).display.heat != "NONE" and ob.mode in MODES
 
 
 def keep_only(uids: Collection[int]) -> None:
@@ -91,7 +92,7 @@ def _prepare(ob: bpy.types.Object) -> _Drawn | None:
     if frame is None:
         _drawn.pop(ob.session_uid, None)
         return None
-    display, joint = ob.turgor.display, active_joint(ob)
+    display, joint = volume_settings(ob).display, active_joint(ob)
     world = np.array(ob.matrix_world, np.float64)
     key = (display.heat, joint, display.heat_range, display.opacity, world[:3, :3].tobytes())
     before = _drawn.get(ob.session_uid)

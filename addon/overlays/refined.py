@@ -10,6 +10,7 @@ import gpu
 from gpu_extras.batch import batch_for_shader
 
 from .. import runtime
+from ..properties.saved import volume_settings
 from . import text
 from .characters import MODES
 from .over_skin import draw_front, over_skin
@@ -37,7 +38,7 @@ _drawn: dict[int, _Drawn] = {}
 
 def is_wanted(ob: bpy.types.Object) -> bool:
     """Whether the object shows its preview now."""
-    return ob.turgor.refine.show_preview and ob.mode in MODES
+    return volume_settings(ob).refine.show_preview and ob.mode in MODES
 
 
 def draw(context: bpy.types.Context, ob: bpy.types.Object) -> None:

@@ -11,6 +11,7 @@ from gpu_extras.batch import batch_for_shader
 from numpy.typing import NDArray
 
 from .. import runtime
+from ..properties.saved import spine_settings
 
 if TYPE_CHECKING:
     from ..logic.sketch import Sketch
@@ -34,7 +35,7 @@ def draw() -> None:
         if sketch is None:
             continue
         ob = bpy.context.view_layer.objects.get(state.name)
-        if ob is not None and ob.turgor_spine.show_overlay and ob.visible_get():
+        if ob is not None and spine_settings(ob).show_overlay and ob.visible_get():
             _draw(sketch())
 
 

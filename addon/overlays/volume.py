@@ -7,6 +7,7 @@ from typing import Any
 import bpy
 
 from .. import runtime
+from ..properties.saved import volume_settings
 from . import graph, heat, joint_axes, readout, refined, text
 from .characters import shown
 
@@ -21,7 +22,7 @@ def draw_in_space() -> None:
         return
     context = bpy.context
     for ob, _ in shown(context):
-        display = ob.turgor.display
+        display = volume_settings(ob).display
         if heat.is_wanted(ob):
             heat.draw(context, ob)
         else:
@@ -42,9 +43,9 @@ def draw_on_top() -> None:
     x = y = None
     graphed = None
     for ob, character in shown(context):
-        if ob.turgor.display.show_graph and (graphed is None or ob == context.object):
+        display = volume_settings(ob).display
+        if display.show_graph and (graphed is None or ob == context.object):
             graphed = ob, character
-        display = ob.turgor.display
         if display.show_joint_readout:
             readout.draw_joints(context, ob, character)
         if display.show_axes:

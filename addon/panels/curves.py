@@ -8,6 +8,7 @@ import bpy
 
 from ..properties.joint import TurgorJoint
 from ..properties.profiles import ProfileSet
+from ..properties.saved import volume_settings
 from .joint import active_joint, edited_settings
 from .volume import VolumeSubpanel
 
@@ -85,7 +86,7 @@ def _draw_direction(column: bpy.types.UILayout, profiles: ProfileSet, edited: bp
 
 
 def _draw_set(layout: bpy.types.UILayout, ob: bpy.types.Object, profiles: ProfileSet) -> None:
-    tree = ob.turgor.curves
+    tree = volume_settings(ob).curves
     for index, axis in enumerate(AXES):
         node = None if tree is None else tree.nodes.get(getattr(profiles, axis.curve))
         if node is None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from .. import runtime
+from ..properties.saved import volume_settings
 from .volume import VolumeSubpanel
 
 
@@ -14,7 +15,7 @@ class TURGOR_PT_display(VolumeSubpanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        display = context.object.turgor.display
+        display = volume_settings(context.object).display
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False

@@ -8,6 +8,9 @@ import bpy
 
 from .. import runtime
 from ..messages import signed_percent
+from ..properties.character import TurgorObject
+from ..properties.joint import TurgorJoint
+from ..properties.saved import volume_settings
 
 if TYPE_CHECKING:
     from ..logic.character_figures import JointFigures
@@ -41,7 +44,7 @@ class TURGOR_UL_joints(bpy.types.UIList):
         context: bpy.types.Context,
         layout: bpy.types.UILayout,
         data: object,
-        item: bpy.types.PropertyGroup,
+        item: TurgorJoint,
         icon: int | None,
         active_data: object,
         active_property: str | None,
@@ -70,7 +73,7 @@ class TURGOR_UL_joints(bpy.types.UIList):
         row.prop(self, "use_all", text="", icon="HIDE_OFF")
 
     def filter_items(
-        self, context: bpy.types.Context, data: bpy.types.AnyType, property: str
+        self, context: bpy.types.Context, data: TurgorObject, property: str
     ) -> tuple[list[int], list[int]]:
         """Joints that matter, of bones that are in the rig now."""
         joints = getattr(data, property)
@@ -78,9 +81,10 @@ class TURGOR_UL_joints(bpy.types.UIList):
         figures = _figures(data.id_data)
         flags = [self.bitflag_filter_item] * count
         if self.filter_name:
-            flags = bpy.types.UI_UL_list.filter_items_by_name(
+            found = bpy.types.UI_UL_list.filter_items_by_name(
                 self.filter_name, self.bitflag_filter_item, joints, reverse=self.use_filter_invert
             )
+            flags = found or flags
         names = [joint.name for joint in joints]
         peaks = [0.0] * count
         joints.foreach_get("peak_loss", peaks)
@@ -117,7 +121,8 @@ def draw_joints(layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy.
     row = layout.row()
     column = row.column(align=True)
     _draw_header(column, context)
-    column.template_list("TURGOR_UL_joints", "", ob.turgor, "joints", ob.turgor, "active_joint", rows=6)
+    saved = volume_settings(ob)
+    column.template_list("TURGOR_UL_joints", "", saved, "joints", saved, "active_joint", rows=6)
     beside = row.column(align=True)
     beside.separator(factor=HEADER_HEIGHT)
     beside.menu("TURGOR_MT_joints", text="", icon="DOWNARROW_HLT")
@@ -185,7 +190,7 @@ def _draw_numbers(cells: list[bpy.types.UILayout], figures: JointFigures | None)
         cell.label(text=text.removesuffix(" %") if len(cells) == 1 else text, translate=False)
 
 
-def _marked(joints: bpy.types.bpy_prop_collection[bpy.types.PropertyGroup], active: int) -> list[bool]:
+def _marked(joints: bpy.types.bpy_prop_collection[TurgorJoint], active: int) -> list[bool]:
     """Those that the artist has taken up, whether they matter or not."""
     marks = [False] * len(joints)
     for name in ("select", "is_solo", "mute"):

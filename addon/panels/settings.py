@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from ..properties.saved import volume_settings
 from .volume import VolumeSubpanel
 
 
@@ -11,13 +12,13 @@ class TURGOR_PT_settings(VolumeSubpanel, bpy.types.Panel):
     bl_label = "Settings"
 
     def draw(self, context: bpy.types.Context) -> None:
-        ob = context.object
+        saved = volume_settings(context.object)
         column = self.layout.column()
         column.use_property_split = True
-        column.prop(ob.turgor, "target_volume")
-        column.prop(ob.turgor, "keep_bone_scale")
-        column.prop(ob.turgor, "solver")
-        column.prop(ob.turgor, "repair_folds")
+        column.prop(saved, "target_volume")
+        column.prop(saved, "keep_bone_scale")
+        column.prop(saved, "solver")
+        column.prop(saved, "repair_folds")
         buttons = self.layout.row(align=True)
         buttons.operator("object.turgor_volume_rebind", icon="FILE_REFRESH")
         buttons.operator("object.turgor_volume_remove", text="Remove", icon="X")

@@ -58,4 +58,4 @@ def shown_characters(context: bpy.types.Context) -> list[bpy.types.Object]:
         if character.binding is not None and character.binding.rig == ob.session_uid
     ]
     found = [runtime.object_of(uid, character, bpy.data.objects) for uid, character in of_rig]
-    return [target for target in found if has_volume(target)]
+    return [target for target in found if target is not None and has_volume(target)]

@@ -7,6 +7,8 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from .. import runtime
 from ..messages import signed_percent
+from ..properties.saved import spine_settings
+from ..properties.spine import TurgorSpine
 from ..states import SpineState
 from .diagnostics import draw_findings
 from .modifier_tab import ModifierTab
@@ -31,7 +33,7 @@ class TURGOR_PT_spine(ModifierTab, bpy.types.Panel):
         state = _state_of(ob)
         _draw_readout(self.layout, ob, state)
         draw_findings(self.layout, context, state, "SPINE")
-        _draw_source(self.layout, ob.turgor_spine)
+        _draw_source(self.layout, spine_settings(ob))
         _draw_flesh(self.layout, ob)
 
 
@@ -46,7 +48,7 @@ class TURGOR_PT_spine_settings(ModifierTab, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         ob = context.object
-        saved = ob.turgor_spine
+        saved = spine_settings(ob)
         column = self.layout.column()
         column.use_property_split = True
         reach = column.column(align=True)
@@ -68,7 +70,7 @@ CLASSES = (
 
 
 def has_spine(ob: bpy.types.Object | None) -> bool:
-    return ob is not None and ob.type == "MESH" and ob.turgor_spine.version > 0
+    return ob is not None and ob.type == "MESH" and spine_settings(ob).version > 0
 
 
 def _state_of(ob: bpy.types.Object) -> SpineState:
@@ -92,7 +94,7 @@ def _draw_readout(layout: bpy.types.UILayout, ob: bpy.types.Object, state: Spine
             line.active = False
             error = signed_percent(figures.fleshed_deviation, 4)
             line.label(text=iface_("of the fleshing alone {error}").format(error=error), translate=False)
-    if ob.turgor_spine.show_overlay and state.local_error is not None:
+    if spine_settings(ob).show_overlay and state.local_error is not None:
         found = state.local_error()
         line = column.row()
         line.alignment = "CENTER"
@@ -101,7 +103,7 @@ def _draw_readout(layout: bpy.types.UILayout, ob: bpy.types.Object, state: Spine
         line.label(text=text.format(mean=100 * found.mean, most=100 * found.most), translate=False)
 
 
-def _draw_source(layout: bpy.types.UILayout, saved: bpy.types.PropertyGroup) -> None:
+def _draw_source(layout: bpy.types.UILayout, saved: TurgorSpine) -> None:
     layout.row().prop(saved, "source", expand=True)
     column = layout.column()
     column.use_property_split = True
@@ -121,7 +123,7 @@ def _draw_source(layout: bpy.types.UILayout, saved: bpy.types.PropertyGroup) -> 
 
 
 def _draw_flesh(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
-    saved = ob.turgor_spine
+    saved = spine_settings(ob)
     column = layout.column()
     column.use_property_split = True
     column.prop(saved, "kind")

@@ -9,6 +9,7 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from .. import runtime
 from ..messages import signed_percent
+from ..properties.saved import volume_settings
 from ..states import VolumeState
 from .before_after import draw_before_after, is_after
 from .diagnostics import draw_findings
@@ -63,7 +64,7 @@ CLASSES = (TURGOR_PT_volume,)
 
 def has_volume(ob: bpy.types.Object | None) -> bool:
     """Whether the object was given Turgor Volume: settings are stamped then."""
-    return ob is not None and ob.type == "MESH" and ob.turgor.version > 0
+    return ob is not None and ob.type == "MESH" and volume_settings(ob).version > 0
 
 
 def state_of(ob: bpy.types.Object) -> VolumeState:
