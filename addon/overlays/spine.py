@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from .. import runtime
 from ..properties.saved import spine_settings
+from ..states import SpineState
 
 if TYPE_CHECKING:
     from ..logic.sketch import Sketch
@@ -27,16 +29,20 @@ _handle: Any = None
 
 
 def draw() -> None:
-    """In world space, over the mesh; at once done without a body that wants it."""
-    if not runtime.session.spines or not bpy.context.space_data.overlay.show_overlays:
+    """Draw all spines that a viewport shows, in world space over the mesh; returns at once where none is wanted."""
+    for state in shown(bpy.context):
+        if state.sketch is not None:
+            _draw(state.sketch())
+
+
+def shown(context: bpy.types.Context) -> Iterator[SpineState]:
+    """States of visible bodies whose overlay is on, in a viewport that shows overlays."""
+    if not runtime.session.spines or not context.space_data.overlay.show_overlays:
         return
-    for state in list(runtime.session.spines.values()):
-        sketch = state.sketch
-        if sketch is None:
-            continue
-        ob = bpy.context.view_layer.objects.get(state.name)
+    for uid, state in list(runtime.session.spines.items()):
+        ob = runtime.object_of(uid, state, context.view_layer.objects)
         if ob is not None and spine_settings(ob).show_overlay and ob.visible_get():
-            _draw(sketch())
+            yield state
 
 
 def _draw(sketch: Sketch) -> None:
