@@ -1,4 +1,4 @@
-"""Blender's events -> live. Each takes what it needs from its arguments and returns at once without work for it."""
+"""Handlers of Blender's events: each hands its event to `live`, and returns at once where nothing of ours is there."""
 
 from __future__ import annotations
 

@@ -84,7 +84,7 @@ class SpineFrames:
         return Sample(posed, (positions + shape.strength * shape.offsets.astype(np.float64)).astype(np.float32))
 
     def fingerprint(self, samples: Sequence[Sample]) -> str:
-        """Of the positions themselves: sampling has computed them."""
+        """Fingerprint of the sampled positions themselves, and of what was bound."""
         return fingerprint.fingerprint([sample.positions for sample in samples], self._bound.content)
 
     def compute(

@@ -166,7 +166,7 @@ def _settle(depsgraph: bpy.types.Depsgraph) -> None:
 
 @contextmanager
 def _folds_repaired(target: bpy.types.Object) -> Iterator[None]:
-    """As the bake has them."""
+    """Within it the live character repairs folds too, as the bake did."""
     target.turgor.repair_folds = True
     try:
         yield

@@ -111,7 +111,10 @@ class VolumeFrames:
         return Sample(posed, request, strength)
 
     def fingerprint(self, samples: Sequence[Sample]) -> str:
-        """Of all that positions are computed from; what is bound, and the engine, by what becomes of a test pose."""
+        """Fingerprint of all that the positions are computed from.
+
+        What is bound, and the engine, count by what becomes of a test pose.
+        """
         arrays: list[object] = []
         words: list[object] = [self._bound.content]
         before = None

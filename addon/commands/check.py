@@ -76,7 +76,7 @@ def run(arguments: argparse.Namespace) -> Outcome:
 
 
 def _unsampled(ob: bpy.types.Object) -> list[Finding]:
-    """It renders as it should, and a bake would refuse it."""
+    """Findings about drivers for which a bake would be refused, though renders are as they should be."""
     spine = ob.turgor_spine
     armature = stack.armature_modifier(ob)
     followed = (ob, spine.rig, spine.curve, None if armature is None else armature.object)

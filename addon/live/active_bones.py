@@ -8,7 +8,10 @@ from . import housekeeping
 
 
 def follow() -> None:
-    """To be called when armatures were updated: choosing a bone updates one, and so does much else."""
+    """Make the joint of each armature's active bone the active joint.
+
+    To be called when armatures were updated: choosing a bone updates one, and so does much else.
+    """
     for target in housekeeping.characters():
         armature = stack.armature_modifier(target)
         rig = None if armature is None else armature.object

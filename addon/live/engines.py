@@ -26,7 +26,10 @@ _marks = count(1)
 
 
 def settled(target: bpy.types.Object, character: VolumeState, bound: VolumeBinding) -> SettledEngine:
-    """Of the evaluated `target`. Raises frame.FrameError without an armature."""
+    """Read the settings of the evaluated `target` and make its engine, or return those of the last frame if unchanged.
+
+    Raises frame.FrameError without an armature.
+    """
     last = character.settled
     if last is not None and last.mark == target.turgor.settled and last.bound is bound:
         return last
@@ -56,7 +59,7 @@ def engine_of(
 
 
 def settings_key(saved: settings.BodySettings, bound: VolumeBinding) -> object:
-    """Equal while the engine is."""
+    """A key that is equal while these settings ask for the same engine."""
     arrays = tuple(array.tobytes() for array in saved.joints)
     return arrays, saved.seconds, saved.solver, saved.keep_bone_scale, bound.curves.stamps
 

@@ -51,7 +51,10 @@ class Request(NamedTuple):
 
 
 def read(target: bpy.types.Object, character: VolumeState, bound: VolumeBinding) -> Request:
-    """Of the evaluated `target`. Raises what says why it cannot be read."""
+    """Read what the engine needs for one frame from the evaluated `target`.
+
+    Raises frame.FrameError, another ValueError or turgor.TurgorError, which say why it cannot be read.
+    """
     now = engines.settled(target, character, bound)
     inputs = frame.read_inputs(target, target.modifiers[now.armature].object)
     try:
@@ -112,7 +115,7 @@ def _remember(
 def _figures(
     uid: int, character: VolumeState, report: turgor.Report, bound: VolumeBinding, asked: Request
 ) -> VolumeFigures:
-    """When a panel is drawn, on the main thread: after all that the viewport shows was evaluated."""
+    """Figures of a frame. Called on the main thread when a panel is drawn, after the viewport's mesh was evaluated."""
     found = figures.frame_figures(
         report,
         bound.body.rest_volume,
@@ -140,7 +143,7 @@ def _shown_volumes(uid: int, character: VolumeState, bound: VolumeBinding) -> ND
 def _inspect(
     uid: int, character: VolumeState, figures: VolumeFigures, bound: VolumeBinding, strengths: NDArray[np.float64]
 ) -> tuple[Finding, ...]:
-    """When a panel is drawn, on the main thread."""
+    """Find and log what is off in a frame. Called on the main thread when a panel is drawn."""
     target = runtime.object_of(uid, character, bpy.data.objects)
     if target is None:
         return ()

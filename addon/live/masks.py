@@ -21,13 +21,16 @@ READING_SHARE = 3.0
 
 
 def chosen(target: bpy.types.Object) -> tuple[str, bool, str]:
-    """Vertex group, whether it is inverted, group that pins; names are empty where none is chosen."""
+    """The masks that are chosen: vertex group, whether it is inverted, group that pins; empty names for none."""
     saved = target.turgor
     return saved.vertex_group, saved.invert_vertex_group, saved.pin_group
 
 
 def read_mask(target: bpy.types.Object) -> NDArray[np.float32] | None:
-    """(N,) as the groups are now; None without any. Groups that do not exist count as not chosen."""
+    """Read the mask, (N,), from the vertex groups as they are now; None without any.
+
+    Groups that do not exist count as not chosen.
+    """
     group, is_inverted, pin_group = chosen(target)
     names = [name for name in dict.fromkeys((group, pin_group)) if name in target.vertex_groups]
     if not names:
@@ -69,7 +72,7 @@ def refresh(target: bpy.types.Object) -> None:
 
 
 def set_findings(target: bpy.types.Object) -> None:
-    """What is off with the masks of a bound character."""
+    """Keep and log what is off with the masks of a bound character."""
     character = runtime.character(target.session_uid)
     made = character.binding.body
     character.mask_findings = tuple(findings.of_masks(target, made.mask, made.pinned_shells))

@@ -25,7 +25,9 @@ def measure(
     tell: Callable[[int], None] = lambda done: None,
     use_test_motion: bool = True,
 ) -> Motion:
-    """Keep figures for a graph and the largest loss of each joint. tell: is told how many frames are done.
+    """Measure a character at these frames; keep figures for a graph and the largest loss of each joint.
+
+    tell: is told how many frames are done.
 
     use_test_motion: where nothing moves in these frames, a test range of motion is measured instead.
 

@@ -18,7 +18,7 @@ _last: dict[int, tuple[tuple[object, ...], OverlayFrame]] = {}
 
 
 def look(ob: bpy.types.Object) -> OverlayFrame | None:
-    """The same object again while nothing changed; None where there is nothing to show."""
+    """What the viewport shows of a character now; the same object while nothing changed, None without anything."""
     character = runtime.session.characters.get(ob.session_uid)
     if character is None or character.binding is None:
         return None
@@ -47,12 +47,12 @@ def look(ob: bpy.types.Object) -> OverlayFrame | None:
 
 
 def forget() -> None:
-    """Another file, or the end."""
+    """Drop all frames: another file was loaded, or the extension goes."""
     _last.clear()
 
 
 def observe(depsgraph: bpy.types.Depsgraph) -> None:
-    """Figures of characters whose modifier is off in this evaluation, so that Before has some too."""
+    """Keep figures of characters whose modifier is off in this evaluation, so that Before has some too."""
     for uid, character in list(runtime.session.characters.items()):
         ob = runtime.object_of(uid, character, bpy.data.objects)
         ours = None if ob is None else stack.volume_modifier(ob)

@@ -64,7 +64,7 @@ def find(target: bpy.types.Object, tell: Callable[[int], None] = lambda done: No
 
 
 def frames(target: bpy.types.Object) -> list[int]:
-    """Those that are looked at."""
+    """Frames of the scene at which the motion is looked at."""
     return sampling.quick_frames(target, sampling.scene_frames(bpy.context.scene))
 
 
@@ -207,7 +207,7 @@ def _users(mesh: bpy.types.Mesh) -> list[bpy.types.Object]:
 
 
 def _bind(target: bpy.types.Object) -> None:
-    """As it was bound, but for the mesh: the placement of then stays."""
+    """Bind a refined mesh again, with the placement that was bound before."""
     if spine_stack.spine_modifier(target) is not None:
         spine_binding.bind(target, accept_topology=True)
     if stack.volume_modifier(target) is not None:

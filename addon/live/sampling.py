@@ -43,7 +43,7 @@ class Sample(NamedTuple):
 
 
 def bound(target: bpy.types.Object) -> VolumeBinding:
-    """As the stack is now. Raises ValueError where the character is not bound."""
+    """The binding of a character with its stack as it is now. Raises ValueError where it is not bound."""
     character = runtime.character(target.session_uid)
     if character.signature != stack.signature(target):
         # A script changed the stack, and nothing has been evaluated since.
@@ -74,7 +74,7 @@ def quick_frames(target: bpy.types.Object, frames: Sequence[int]) -> list[int]:
 def samples(
     target: bpy.types.Object, bound: VolumeBinding, frames: Sequence[float], tell: Callable[[int], None]
 ) -> Iterator[Sample]:
-    """At these frames of the scene. tell: is told how many are done."""
+    """Poses at these frames of the scene, with their settings. tell: is told how many are done."""
     character = runtime.character(target.session_uid)
     for done, evaluated in enumerate(pose_samples.evaluated_apart(target, frames)):
         asked = frame.read(evaluated, character, bound)
@@ -91,7 +91,7 @@ def samples(
 
 
 def turned(target: bpy.types.Object, bound: VolumeBinding) -> Iterator[Sample]:
-    """Each joint turned in turn."""
+    """Poses of a test range of motion: each joint turned in turn, all others at rest."""
     saved = settings.read_settings(target)
     engine, strengths = engine_of(target, saved, bound)
     joints = bound.body.joint_bones
@@ -103,7 +103,7 @@ def turned(target: bpy.types.Object, bound: VolumeBinding) -> Iterator[Sample]:
 
 
 def batches(poses: Iterable[Sample]) -> Iterator[list[Sample]]:
-    """Neighbours under the same settings; one by one where Turgor Spine adds to the skin."""
+    """Lists of neighbouring samples under the same settings; of one sample where Turgor Spine adds to the skin."""
     for _, alike in groupby(poses, lambda sample: id(sample.engine)):
         batch: list[Sample] = []
         for sample in alike:

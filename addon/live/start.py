@@ -129,7 +129,7 @@ def _bind(target: bpy.types.Object) -> None:
 
 
 def _bind_shown(target: bpy.types.Object) -> None:
-    """And what is previewed of it."""
+    """Bind a character, and look again at what its refinement preview shows."""
     binding.bind(target)
     refining.follow(target)
 
@@ -152,9 +152,9 @@ def follow_curves(target: bpy.types.Object) -> None:
 
 
 def follow_shown_curves(ob: bpy.types.Object) -> bool:
-    """The same for a character, or those of an armature, whose curves are shown: they are drawn if they are not yet.
+    """Use the curves that are shown of a character, or of all characters of an armature, as they are drawn now.
 
-    False where the object has none.
+    Curves that were never drawn are drawn from their preset. Returns False where no curves are shown.
     """
     shown = [(target, profiles.shown_set(target)) for target in _characters_of(ob)]
     for target, profile_set in shown:

@@ -29,7 +29,7 @@ def bind(
     shape_deltas: NDArray[np.float32],
     object_from_armature: NDArray[np.float64],
 ) -> Body:
-    """Shapes as in the fields of `scene.rest.RestMesh` and `scene.skeleton.RestBones`.
+    """Bind a mesh to its bones. Shapes as in the fields of `scene.rest.RestMesh` and `scene.skeleton.RestBones`.
 
     object_from_armature: (4, 4) at rest. Rigs come at other scales than their meshes, and joints have lengths.
     """
@@ -67,7 +67,7 @@ class Body:
 
     @property
     def mesh(self) -> turgor.Mesh:
-        """As bound."""
+        """The mesh that was bound."""
         return self._bound.mesh
 
     @property
@@ -82,7 +82,7 @@ class Body:
 
     @property
     def shells(self) -> shells.Shells:
-        """What its parts are like; worked out anew."""
+        """What its shells are like: closed, open, inside out; worked out anew on each access."""
         return shells.describe(self._bound.mesh)
 
     @property
@@ -91,7 +91,7 @@ class Body:
         return self._mask
 
     def masked(self, mask: NDArray[np.float32] | None) -> Body:
-        """The same binding under another mask, with the settings of the last frame."""
+        """A body with this binding under another mask, and with the settings of the last frame."""
         made = Body(self._unmasked, self.rest)
         key, engine, strengths = self._current
         if mask is None:

@@ -76,7 +76,7 @@ def mixed_parts(first: Parts, second: Parts, part: float) -> Parts:
 
 
 def engine_shares(parts: Parts) -> turgor.presets.Shares:
-    """As `turgor.Joint` takes them."""
+    """The parts of all directions as `turgor.Joint` takes its shares."""
     if parts == AUTOMATIC:
         return "auto"
     return parts if parts[3] > 0.0 else parts[:3]

@@ -43,7 +43,7 @@ def surface(
     creased_vertices: NDArray[np.integer],
     vertex_creases: NDArray[np.floating],
 ) -> Surface:
-    """From arrays as in the fields of `scene.refined_mesh.MeshSurface`."""
+    """A surface from arrays as in the fields of `scene.refined_mesh.MeshSurface`."""
     creases = Creases(
         np.asarray(creased_edges, np.int64),
         sharpness(edge_creases),
@@ -89,12 +89,12 @@ class Region:
 
     @property
     def all_face_count(self) -> int:
-        """Of the mesh as it is."""
+        """Faces of the mesh before it is refined."""
         return len(self.refinement.levels)
 
     @property
     def vertex_count(self) -> int:
-        """Afterwards."""
+        """Vertices of the refined mesh."""
         return self.refinement.vertex_count
 
     @cached_property

@@ -56,13 +56,13 @@ class OBJECT_OT_turgor_bake(ModalOperator, bpy.types.Operator):
         return f"Baking {self._target.name}: {self._text(progress)}  |  Esc: Cancel"
 
     def show(self, context: bpy.types.Context, progress: Progress) -> None:
-        """Also in the panel."""
+        """Show how far the bake has come, in the panel too."""
         runtime.session.bake = runtime.Bake(progress[0], self._text(progress))
         super().show(context, progress)
         _redraw(context)
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """Also in the panel."""
+        """End the bake and all that was shown of it, in the panel too."""
         try:
             super().cancel(context)
         finally:
@@ -132,7 +132,7 @@ CLASSES = (
 
 
 def options_of(target: bpy.types.Object, scene: bpy.types.Scene) -> options.Options:
-    """As its settings say. Raises frame_range.FrameRangeError, options.BakeError."""
+    """Options of a bake from the settings of `target`. Raises frame_range.FrameRangeError, options.BakeError."""
     saved = target.turgor_bake
     if saved.frames.strip():
         frames = frame_range.parse(saved.frames)

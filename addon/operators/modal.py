@@ -59,7 +59,7 @@ class Steps:
         """Nothing is done before the first `advance`."""
 
     def advance(self) -> Progress | None:
-        """As many steps as fit, at least one."""
+        """Take as many steps as fit between two redraws, at least one."""
         until = perf_counter() + self.SECONDS_OF_WORK
         while True:
             progress = next(self._steps, None)

@@ -37,7 +37,7 @@ class OBJECT_OT_turgor_refine(bpy.types.Operator):
             layout.prop(self, name)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """With what the panel shows."""
+        """Refine with the settings that the panel shows."""
         saved = character_of(context).turgor.refine
         for name in properties.settings():
             if not self.properties.is_property_set(name):

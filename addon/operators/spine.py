@@ -104,7 +104,7 @@ def _has_own(operator: type[bpy.types.Operator], context: bpy.types.Context) -> 
 
 
 def _choose_spine(context: bpy.types.Context, body: bpy.types.Object) -> None:
-    """What is selected with the body, else the armature that bends it, else nothing yet."""
+    """Choose as the body's spine what is selected with it, else the armature that bends it, else nothing yet."""
     saved = body.turgor_spine
     saved.version = DATA_VERSION
     others = [ob for ob in (*context.selected_objects, context.object) if ob not in {None, body}]

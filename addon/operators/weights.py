@@ -91,7 +91,7 @@ class _Weights(ModalOperator):
         return {"FINISHED"}
 
     def _job_of(self, context: bpy.types.Context) -> Job:
-        """What is weighted: raises WeightError."""
+        """Read the meshes and bones that are weighted. Raises WeightError."""
         raise NotImplementedError
 
     def _options(self) -> Options:

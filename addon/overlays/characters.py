@@ -15,7 +15,7 @@ MODES = frozenset({"OBJECT", "POSE"})
 
 
 def shown(context: bpy.types.Context) -> Iterator[tuple[bpy.types.Object, VolumeState]]:
-    """With Turgor Volume and in this viewport: not hidden, and in its local view when it has one."""
+    """Characters that this viewport shows, with their states: not hidden, and in its local view when it has one."""
     space = context.space_data
     if not space.overlay.show_overlays:
         return

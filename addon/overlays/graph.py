@@ -31,7 +31,7 @@ WHITE = (1.0, 1.0, 1.0)
 
 
 def draw(context: bpy.types.Context, ob: bpy.types.Object, character: VolumeState) -> None:
-    """In pixels."""
+    """Draw the graph of one character along the lower edge of the region, in pixels."""
     free = text.visible_rect(context)
     unit = text.unit()
     frame = text.Rect(free.left + MARGIN * unit, free.bottom + 1.6 * unit, free.right - MARGIN * unit, 0.0)

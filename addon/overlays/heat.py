@@ -42,7 +42,7 @@ _drawn: dict[int, _Drawn] = {}
 
 
 def draw(context: bpy.types.Context, ob: bpy.types.Object) -> None:
-    """In world space."""
+    """Draw the skin of a character in the colors of its heat map, in world space."""
     drawn = _prepare(ob)
     if drawn is None:
         return
@@ -51,7 +51,7 @@ def draw(context: bpy.types.Context, ob: bpy.types.Object) -> None:
 
 
 def draw_legend(context: bpy.types.Context, ob: bpy.types.Object, x: float, y: float) -> float:
-    """Below a baseline; the next baseline."""
+    """Draw the legend below the baseline `y`, in pixels; returns the next baseline."""
     drawn = _drawn.get(ob.session_uid)
     if drawn is None or not is_wanted(ob):
         return y

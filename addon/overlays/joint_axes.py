@@ -29,7 +29,7 @@ FAINTEST = 0.15
 
 
 def draw(context: bpy.types.Context, ob: bpy.types.Object) -> None:
-    """In world space, over everything."""
+    """Draw the three directions of the active joint as arrows, in world space over everything."""
     field = _field(ob)
     if field is None:
         return
@@ -46,7 +46,7 @@ def draw(context: bpy.types.Context, ob: bpy.types.Object) -> None:
 
 
 def draw_names(context: bpy.types.Context, ob: bpy.types.Object) -> None:
-    """In pixels, at the arrows' tips."""
+    """Write the names of the three directions at the arrows' tips, in pixels."""
     field = _field(ob)
     if field is None:
         return

@@ -26,7 +26,7 @@ NOTABLE_PART, MOST_JOINTS = 0.1, 12
 
 
 def draw(ob: bpy.types.Object, character: VolumeState, x: float, y: float) -> float:
-    """One line from a baseline; the next baseline."""
+    """Write the volume error of one character on the baseline `y`, in pixels; returns the next baseline."""
     figures = character.figures
     if figures is None:
         return y
@@ -48,7 +48,7 @@ def draw(ob: bpy.types.Object, character: VolumeState, x: float, y: float) -> fl
 
 
 def draw_joints(context: bpy.types.Context, ob: bpy.types.Object, character: VolumeState) -> None:
-    """At each notable joint what skinning took and Turgor gave back; at the active one always, with its name."""
+    """Write at each notable joint what skinning took and Turgor gave back; at the active one always, with its name."""
     figures, frame = character.figures, runtime.session.look(ob)
     if figures is None or frame is None:
         return

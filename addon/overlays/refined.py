@@ -42,7 +42,7 @@ def is_wanted(ob: bpy.types.Object) -> bool:
 
 
 def draw(context: bpy.types.Context, ob: bpy.types.Object) -> None:
-    """In world space."""
+    """Draw the faces that would be refined and their new edges, in world space."""
     drawn = _prepare(ob)
     if drawn is None:
         return
@@ -57,13 +57,13 @@ def draw(context: bpy.types.Context, ob: bpy.types.Object) -> None:
 
 
 def keep_only(uids: Collection[int]) -> None:
-    """Free what belongs to no character any more."""
+    """Drop what is on the graphics card for objects whose session uid is not among `uids`."""
     for uid in [uid for uid in _drawn if uid not in uids]:
         del _drawn[uid]
 
 
 def free(ob: bpy.types.Object) -> None:
-    """None is kept of a character that shows none."""
+    """Drop what is on the graphics card for a character that shows no preview."""
     _drawn.pop(ob.session_uid, None)
 
 

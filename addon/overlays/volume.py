@@ -15,7 +15,7 @@ _handles: list[Any] = []
 
 
 def draw_in_space() -> None:
-    """In world space, over the mesh."""
+    """Draw heat maps, previews and axes of all characters of the viewport, in world space over the mesh."""
     heat.keep_only(runtime.session.characters)
     refined.keep_only(runtime.session.characters)
     if not runtime.session.characters:
@@ -36,7 +36,7 @@ def draw_in_space() -> None:
 
 
 def draw_on_top() -> None:
-    """In pixels of the region."""
+    """Draw texts, legends and the graph of all characters of the viewport, in pixels of the region."""
     if not runtime.session.characters:
         return
     context = bpy.context

@@ -45,7 +45,7 @@ CLASSES = (TURGOR_PT_curves,)
 
 
 def draw_curves(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
-    """Of the active joint, both sets and what leads from one to the other."""
+    """Draw the profile curves of the active joint: both sets and what leads from one to the other."""
     joint = active_joint(ob)
     if joint is None:
         return

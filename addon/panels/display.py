@@ -59,7 +59,7 @@ CLASSES = (
 
 
 def _draw_modifiers(column: bpy.types.UILayout, evaluated: bpy.types.Object) -> None:
-    """As Blender measured them, 0 where it did not: not with several in parallel."""
+    """Draw times of modifiers as Blender measured them; it measures none where several run in parallel."""
     ours = runtime.session.find_modifier(evaluated)
     if ours is None:
         return

@@ -19,7 +19,7 @@ def active_joint(ob: bpy.types.Object) -> TurgorJoint | None:
 
 
 def draw_joint(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
-    """Of the joint chosen in the list; nothing without one."""
+    """Draw the settings of the joint chosen in the list; nothing without one."""
     joint = active_joint(ob)
     if joint is None:
         return

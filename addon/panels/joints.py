@@ -191,7 +191,7 @@ def _draw_numbers(cells: list[bpy.types.UILayout], figures: JointFigures | None)
 
 
 def _marked(joints: bpy.types.bpy_prop_collection[TurgorJoint], active: int) -> list[bool]:
-    """Those that the artist has taken up, whether they matter or not."""
+    """Whether the artist has taken up each joint: selected, solo, muted or active."""
     marks = [False] * len(joints)
     for name in ("select", "is_solo", "mute"):
         flags = [False] * len(joints)

@@ -50,7 +50,7 @@ class TURGOR_PT_volume(ModifierTab, bpy.types.Panel):
 
 
 class VolumeSubpanel(ModifierTab):
-    """Below Turgor Volume, once a mesh has it."""
+    """A panel below Turgor Volume, shown once a mesh has it."""
 
     bl_parent_id = PARENT_PANEL
 
@@ -98,7 +98,7 @@ def draw_readout(layout: bpy.types.UILayout, character: VolumeState, *, is_on: b
 
 
 def volume_error(percent: float) -> str:
-    """With more digits where it is next to nothing."""
+    """A volume error as text, with more digits where it is next to nothing."""
     return signed_percent(percent, 2 if abs(percent) >= VISIBLE_PERCENT else 4)
 
 

@@ -66,7 +66,7 @@ class BodySettings(NamedTuple):
 
 
 def read_settings(target: bpy.types.Object) -> BodySettings:
-    """From the original or, for animated values, from the evaluated character."""
+    """Read all settings of a character: of the original or, for animated values, of its evaluated copy."""
     saved = target.turgor
     joints = saved.joints
     count = len(joints)
@@ -79,7 +79,7 @@ def read_settings(target: bpy.types.Object) -> BodySettings:
 
 
 def may_move(target: bpy.types.Object) -> bool:
-    """Whether keyframes or drivers of the object may change them from frame to frame."""
+    """Whether keyframes or drivers of the object may change its settings from frame to frame."""
     animation = target.animation_data
     if animation is None:
         return False
@@ -117,5 +117,5 @@ def rename_groups(target: bpy.types.Object, before: Sequence[str], after: Sequen
 
 
 def joint_names(target: bpy.types.Object) -> tuple[str, ...]:
-    """In the order of `JointArrays`."""
+    """Names of the joints' bones, in the order of `JointArrays`."""
     return tuple(joint.name for joint in target.turgor.joints)
