@@ -1,4 +1,4 @@
-"""Blender's events -> live. Each takes what it needs from its arguments and returns at once without work for it."""
+"""Handlers of Blender's events: each hands its event to `live`, and returns at once where nothing of ours is there."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import migrations, runtime
-from .live import housekeeping, profiles, pull, push, refining, route, shown, start, strokes
+from .live import housekeeping, overlay_frames, profiles, pull, push, refining, route, start, strokes
 from .properties import carrier, refine
 from .scene import node_group, stack
 
@@ -17,7 +17,7 @@ from .scene import node_group, stack
 @persistent
 def load_post(*_arguments: Any) -> None:
     runtime.forget_file()
-    shown.forget()
+    overlay_frames.forget()
     strokes.forget()
     migrations.migrate(housekeeping.characters())
     start.start()
@@ -99,7 +99,7 @@ def _finish(depsgraph: bpy.types.Depsgraph) -> None:
     if not runtime.session.is_rendering:
         start.bind_waiting()
         if runtime.session.route == "PULL":
-            shown.observe(depsgraph)
+            overlay_frames.observe(depsgraph)
         if not bpy.app.background:
             _redraw_panels()
     if runtime.session.route == "PUSH":
@@ -140,7 +140,7 @@ HANDLERS = (
 
 def register() -> None:
     carrier.TurgorCarrier.on_tick = staticmethod(pull.on_tick)
-    runtime.session.look = shown.look
+    runtime.session.look = overlay_frames.look
     runtime.session.look_refined = refining.look
     runtime.session.find_modifier = stack.volume_modifier
     refine.TurgorRefine.on_preview = staticmethod(refining.follow)
@@ -162,5 +162,5 @@ def unregister() -> None:
     profiles.unregister()
     carrier.TurgorCarrier.on_tick = staticmethod(carrier.ignore_tick)
     refine.TurgorRefine.on_preview = staticmethod(refine.ignore_preview)
-    shown.forget()
+    overlay_frames.forget()
     runtime.session = runtime.Session()

@@ -43,6 +43,6 @@ def translated(text: str, translate: Callable[[str], str]) -> str:
 
 
 def signed_percent(value: float, digits: int) -> str:
-    """With a sign, but for what rounds to zero."""
+    """A percentage as text, with a sign unless it rounds to zero."""
     rounded = round(value, digits)
     return f"{rounded:+.{digits}f} %" if rounded else f"{0.0:.{digits}f} %"

@@ -110,21 +110,21 @@ def live_frame(mesh_object: bpy.types.Object) -> LiveFrame:
     """Runs the extension's own frame once more, without a carrier to write to."""
     found: list[LiveFrame] = []
     target = evaluated(mesh_object)
-    known = character(mesh_object)
-    bound = known.body
-    known.body = bound._replace(body=WatchedBody(bound.body, found))
+    state = character(mesh_object)
+    bound = state.binding
+    state.binding = bound._replace(body=WatchedBody(bound.body, found))
     try:
         extension_module("live.frame").correct(target, 0, len(target.data.vertices))
     finally:
-        known.body = bound
+        state.binding = bound
     if not found:
-        raise SystemExit(f"{mesh_object.name}: {known.problem}")
+        raise SystemExit(f"{mesh_object.name}: {state.problem}")
     return found[0]
 
 
 def bone_name(mesh_object: bpy.types.Object, bone: int) -> str:
     """Name of a bone by the engine's index."""
-    return character(mesh_object).body.bones.names[bone]
+    return character(mesh_object).binding.bones.names[bone]
 
 
 def frame_times(mesh_object: bpy.types.Object) -> tuple[float, float, float]:

@@ -38,7 +38,7 @@ def frames_of_chunk(vertex_count: int, asked: int = 0) -> int:
 
 
 def _frame_bytes(vertex_count: int) -> int:
-    """Of positions; an empty mesh takes some too."""
+    """Bytes of the positions of one frame; an empty mesh takes some too."""
     return POSITION_BYTES * max(vertex_count, 1)
 
 
@@ -86,7 +86,7 @@ class Computing:
         return -(-len(self._frames) // self.chunk_frames)
 
     def frames_of(self, number: int) -> NDArray[np.float64]:
-        """Of one chunk."""
+        """The frames of one chunk."""
         return self._frames[number * self.chunk_frames : (number + 1) * self.chunk_frames]
 
     @property

@@ -75,7 +75,7 @@ def per_frame(baking: Baking) -> Iterator[Progress]:
 
 
 def reduced(baking: Baking) -> Iterator[Progress]:
-    """As few keys as keep the tolerance on every frame."""
+    """Make corrective keys, as few as keep the tolerance on every frame."""
     deltas = Deltas(baking)
     yield from deltas.compute()
     yield baking.making(0.6, "Looking for the fewest keys")
@@ -135,7 +135,7 @@ def _by_joint(baking: Baking, deltas: Deltas, tolerance: float) -> Generator[Pro
 
 
 def make_copy(baking: Baking, skin: PosedSkin) -> None:
-    """With the Armature that the keys were made for, and the artist's own keys."""
+    """Make the copy that gets the keys, with the Armature that they were made for and the artist's own keys."""
     source, options = baking.source, baking.options
     baking.copy = copy = baked_copy.make(
         baking.target, source.end, source.bound_frame, own_modifiers(baking, keep_armature=True), options.name

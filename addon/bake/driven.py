@@ -33,7 +33,7 @@ def check(source: object) -> None:
 
 
 def driven(baking: Baking) -> Iterator[Progress]:
-    """As many keys as keep the tolerance on every second frame, at most so many as the options allow."""
+    """Make keys driven by the pose: enough to keep the tolerance on every second frame, up to the options' most."""
     source, options = baking.source, baking.options
     assert isinstance(source, VolumeFrames)
     deltas = Deltas(baking)

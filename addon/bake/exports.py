@@ -28,7 +28,7 @@ WITH_KEYS = frozenset({"GLTF", "FBX"})
 
 @dataclass(frozen=True)
 class Settings:
-    """Of one export. Those of keys are for formats with keys."""
+    """What one export writes; settings of keys count only for formats with keys."""
 
     format: str  # of SUFFIXES
     path: Path

@@ -29,7 +29,7 @@ class PosedSkin(NamedTuple):
     weights: weights.BoneWeights
 
     def maps(self, posed: Posed) -> inverse_skinning.Maps:
-        """Of one frame."""
+        """The affine maps by which this skinning moves each vertex in one frame."""
         return self.skin.maps(posed.matrices, posed.object_from_armature)
 
 

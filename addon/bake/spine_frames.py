@@ -30,8 +30,8 @@ class SpineFrames:
     repairs_folds = False
 
     def __init__(self, target: bpy.types.Object) -> None:
-        known = runtime.spine(target.session_uid)
-        if known.body is None:
+        state = runtime.spine(target.session_uid)
+        if state.binding is None:
             raise BakeError(f"{target.name}: Turgor Spine is not bound, see its panel")
         self.end = spine_stack.rest_end(target)
         self.own = spine_stack.spine_modifier(target)
@@ -39,7 +39,7 @@ class SpineFrames:
             if not modifier.show_viewport:
                 raise BakeError(f"{modifier.name} of {target.name} is off in the viewport: turn it on")
         self._target = target
-        self._bound = known.body
+        self._bound = state.binding
         self._limb = spine_stack.limb_modifier(target)
         self.bound_frame = target.turgor_spine.bound_frame
         self.rest = rest.read_rest(target, self.end, self.bound_frame)
@@ -84,7 +84,7 @@ class SpineFrames:
         return Sample(posed, (positions + shape.strength * shape.offsets.astype(np.float64)).astype(np.float32))
 
     def fingerprint(self, samples: Sequence[Sample]) -> str:
-        """Of the positions themselves: sampling has computed them."""
+        """Fingerprint of the sampled positions themselves, and of what was bound."""
         return fingerprint.fingerprint([sample.positions for sample in samples], self._bound.content)
 
     def compute(

@@ -26,8 +26,6 @@ FRAMES_PER_SLICE = 16
 SECONDS_OF_WORK = 0.1
 # Poses whose joints are looked at for the worst ones: what is lost changes slowly from frame to frame.
 MOST_MEASURED = 64
-# Of `runtime.Character`, of the frame that was evaluated last.
-FIGURES = ("measure", "inspect", "timing", "failure", "sketch", "local_error")
 
 
 def verify(baking: Baking) -> Iterator[Progress]:
@@ -145,7 +143,9 @@ def _side_by_side(baking: Baking, *, is_whole: bool) -> Iterator[doubles.Doubles
     if not is_whole:
         without = [doubles.after(target, source.own.name), doubles.after(copy, baking.last)]
     with ExitStack() as kept:
-        kept.enter_context(_figures_kept(target))
+        # The panel's figures stay those of the artist's frame.
+        kept.enter_context(runtime.character(target.session_uid).frame_kept())
+        kept.enter_context(runtime.spine(target.session_uid).frame_kept())
         if baking.options.repair_folds and not target.turgor.repair_folds:
             kept.enter_context(_folds_repaired(target))
         alone = kept.enter_context(doubles.doubles(objects, without, _settle))
@@ -165,22 +165,8 @@ def _settle(depsgraph: bpy.types.Depsgraph) -> None:
 
 
 @contextmanager
-def _figures_kept(target: bpy.types.Object) -> Iterator[None]:
-    """Those of the panel are of the artist's frame."""
-    uid = target.session_uid
-    every = [runtime.character(uid), runtime.spine(uid)]
-    before = [[getattr(known, name) for name in FIGURES] for known in every]
-    try:
-        yield
-    finally:
-        for known, values in zip(every, before, strict=True):
-            for name, value in zip(FIGURES, values, strict=True):
-                setattr(known, name, value)
-
-
-@contextmanager
 def _folds_repaired(target: bpy.types.Object) -> Iterator[None]:
-    """As the bake has them."""
+    """Within it the live character repairs folds too, as the bake did."""
     target.turgor.repair_folds = True
     try:
         yield

@@ -33,8 +33,8 @@ class VolumeFrames:
 
     def __init__(self, target: bpy.types.Object, *, repair_folds: bool = False) -> None:
         """repair_folds: also where the character does not."""
-        known = runtime.character(target.session_uid)
-        if known.body is None:
+        character = runtime.character(target.session_uid)
+        if character.binding is None:
             raise BakeError(f"{target.name}: Turgor Volume is not bound, see its panel")
         armature = stack.armature_modifier(target)
         ours = stack.volume_modifier(target)
@@ -42,7 +42,7 @@ class VolumeFrames:
             if not modifier.show_viewport:
                 raise BakeError(f"{modifier.name} of {target.name} is off in the viewport: turn it on")
         self._target = target
-        self._known, self._bound = known, known.body
+        self._character, self._bound = character, character.binding
         self.end = armature
         self.own = ours
         self.bound_frame = target.turgor.bound_frame
@@ -57,7 +57,7 @@ class VolumeFrames:
     @property
     def rest_positions(self) -> NDArray[np.float32]:
         """(N, 3) those of `rest`."""
-        return self._bound.body.flesh.anatomy.rest_positions
+        return self._bound.body.rest.positions
 
     @property
     def leaders(self) -> list[bpy.types.ID]:
@@ -102,7 +102,7 @@ class VolumeFrames:
 
     def _read(self, evaluated: bpy.types.Object) -> Sample:
         strength = float(modifier_inputs.read_input(evaluated.modifiers[self.own.name], node_group.STRENGTH))
-        request = live_frame.read(evaluated, self._known, self._bound)
+        request = live_frame.read(evaluated, self._character, self._bound)
         asked = request.options
         if self.repairs_folds:
             asked["repair_folds"] = True
@@ -111,7 +111,10 @@ class VolumeFrames:
         return Sample(posed, request, strength)
 
     def fingerprint(self, samples: Sequence[Sample]) -> str:
-        """Of all that positions are computed from; what is bound, and the engine, by what becomes of a test pose."""
+        """Fingerprint of all that the positions are computed from.
+
+        What is bound, and the engine, count by what becomes of a test pose.
+        """
         arrays: list[object] = []
         words: list[object] = [self._bound.content]
         before = None

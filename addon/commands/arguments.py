@@ -97,7 +97,7 @@ def part(text: str) -> Part:
 
 
 def chosen_frames(arguments: argparse.Namespace, scene: bpy.types.Scene) -> NDArray[np.float64]:
-    """Those asked for, or all of the scene."""
+    """(F,) the frames that were asked for, or all frames of the scene."""
     if arguments.frames is not None:
         return arguments.frames
     return frame_range.steps(scene.frame_start, scene.frame_end, max(scene.frame_step, 1))

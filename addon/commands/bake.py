@@ -137,7 +137,7 @@ def follow(steps: Iterator[Progress], style: str, number: int = 0, count: int = 
 
 
 def _remember(ob: bpy.types.Object, made: job.Job, frames: np.ndarray, *, repair_folds: bool) -> None:
-    """For the panel, and for `verify`."""
+    """Keep on the copy and its character what the bake was, for the panel and for the command `verify`."""
     copy, lines = made.baked, "\n".join(made.report.lines())
     copy.turgor_bake.frames = frame_range.text_of(frames)
     copy.turgor_bake.repair_folds = repair_folds

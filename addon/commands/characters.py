@@ -9,19 +9,23 @@ import bpy
 
 from .. import runtime
 from ..scene import spine_stack, stack
+from ..states import AnyState
 from .outcome import CommandError
 
 
 class Subject(NamedTuple):
-    """An object, and what is known of one of its modifiers of ours."""
+    """An object, and the state of one of its modifiers of ours."""
 
     object: bpy.types.Object
     modifier: str  # VOLUME or SPINE
-    known: runtime.Character
+    state: AnyState
 
 
 def objects_with_turgor(names: Sequence[str]) -> list[bpy.types.Object]:
-    """Those named, or all of the file, by name. Raises CommandError for a name that has neither modifier."""
+    """Objects with a modifier of ours, sorted by name: those named, or all of the file.
+
+    Raises CommandError for a name whose object has neither modifier.
+    """
     found = sorted((ob for ob in bpy.data.objects if has_turgor(ob)), key=lambda ob: (ob.name, ob.library is not None))
     if not names:
         return found

@@ -12,6 +12,7 @@ import turgor
 
 from .. import runtime
 from ..live import binding, spine_binding
+from ..logic.finding import Finding
 from ..messages import of_error
 from ..properties.character import DATA_VERSION
 from ..scene import baked_copy, scene_drivers, stack
@@ -42,13 +43,13 @@ def run(arguments: argparse.Namespace) -> Outcome:
     subjects = [subject for ob in targets for subject in subjects_of(ob)]
     for subject in subjects:
         (binding if subject.modifier == "VOLUME" else spine_binding).refresh_state(subject.object)
-    found: list[dict[runtime.Finding, float | None]] = [{} for _ in subjects]
+    found: list[dict[Finding, float | None]] = [{} for _ in subjects]
     for frame in sorted(set(frames)):
         scene.frame_set(int(frame // 1), subframe=frame % 1.0)
         for subject, seen in zip(subjects, found, strict=True):
             # Of the frame where it is seen first; what holds on any frame has none.
-            always = (*subject.known.bind_findings, *subject.known.mask_findings, *subject.known.state_findings)
-            for each in subject.known.findings:
+            always = (*subject.state.bind_findings, *subject.state.standing_findings)
+            for each in subject.state.findings:
                 seen.setdefault(each, None if each in always else float(frame))
     for subject, seen in zip(subjects, found, strict=True):
         seen |= dict.fromkeys(_unsampled(subject.object))
@@ -74,40 +75,40 @@ def run(arguments: argparse.Namespace) -> Outcome:
     return Outcome(not any(each.severity in OFF for each in every), data, _lines(of_file, objects, data))
 
 
-def _unsampled(ob: bpy.types.Object) -> list[runtime.Finding]:
-    """It renders as it should, and a bake would refuse it."""
+def _unsampled(ob: bpy.types.Object) -> list[Finding]:
+    """Findings about drivers for which a bake would be refused, though renders are as they should be."""
     spine = ob.turgor_spine
     armature = stack.armature_modifier(ob)
     followed = (ob, spine.rig, spine.curve, None if armature is None else armature.object)
     try:
         scene_drivers.check(bpy.context.scene, [each for each in followed if each is not None])
     except scene_drivers.SceneDriverError as error:
-        return [runtime.Finding("scene_driver", "INFO", of_error(error))]
+        return [Finding("scene_driver", "INFO", of_error(error))]
     return []
 
 
-def file_findings() -> list[runtime.Finding]:
+def file_findings() -> list[Finding]:
     """What is off with the file as a whole."""
     found = []
     for library in bpy.data.libraries:
         if library.is_missing:
             text = f"Linked file {library.filepath} is missing: characters from it are not in the picture"
-            found.append(runtime.Finding("missing_library", "ERROR", text, subject=library.name))
+            found.append(Finding("missing_library", "ERROR", text, subject=library.name))
     if bpy.app.autoexec_fail:
         text = f"Python in the file was not run ({bpy.app.autoexec_fail_message}): allow it with --enable-autoexec"
-        found.append(runtime.Finding("scripts_blocked", "WARNING", text))
+        found.append(Finding("scripts_blocked", "WARNING", text))
     for ob in bpy.data.objects:
         for path in baked_copy.point_caches(ob):
             if not Path(path).is_file():
                 text = f"Point cache {path} of {ob.name} is missing: it stands still"
-                found.append(runtime.Finding("missing_point_cache", "ERROR", text, subject=ob.name))
+                found.append(Finding("missing_point_cache", "ERROR", text, subject=ob.name))
         if ob.type == "MESH" and max(ob.turgor.version, 0) > DATA_VERSION:
             text = f"{ob.name} was saved by a newer Turgor: update the extension on this machine"
-            found.append(runtime.Finding("newer_file", "WARNING", text, subject=ob.name))
+            found.append(Finding("newer_file", "WARNING", text, subject=ob.name))
     return found
 
 
-def _lines(of_file: list[runtime.Finding], objects: list[dict[str, Any]], data: dict[str, Any]) -> list[str]:
+def _lines(of_file: list[Finding], objects: list[dict[str, Any]], data: dict[str, Any]) -> list[str]:
     lines = [f"Blender {data['blender']}, engine {data['engine']}"]
     if data["route"]:
         lines[0] += f", route {data['route']} ({data['route_reason']})"

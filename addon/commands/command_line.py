@@ -21,7 +21,7 @@ NAME = "turgor"
 
 
 def parser() -> argparse.ArgumentParser:
-    """Of all commands."""
+    """The parser of the command line, with a subparser for each command."""
     made = argparse.ArgumentParser(
         prog=NAME,
         description="Turgor without a window",

@@ -23,7 +23,7 @@ class CommandError(ValueError):
 
 @dataclass
 class Outcome:
-    """The same for the same file, whoever works it out and however long it takes."""
+    """What a command found: equal for equal files, on any machine and however long it took."""
 
     is_fine: bool
     data: dict[str, Any]  # for programs

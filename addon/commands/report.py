@@ -58,11 +58,11 @@ def _volume(ob: bpy.types.Object, frames: np.ndarray, *, use_test_motion: bool) 
         motion = measuring.measure(ob, frames.tolist(), use_test_motion=use_test_motion)
     except ValueError as error:
         raise CommandError(f"{ob.name}: {error}") from error
-    known = runtime.character(ob.session_uid)
+    character = runtime.character(ob.session_uid)
     return _entry(
         ob.name,
         "VOLUME",
-        known.body.body.rest_volume,
+        character.binding.body.rest_volume,
         motion.frames,
         motion.corrected_deviations,
         motion.skinned_deviations,

@@ -8,17 +8,20 @@ from . import housekeeping
 
 
 def follow() -> None:
-    """To be called when armatures were updated: choosing a bone updates one, and so does much else."""
+    """Make the joint of each armature's active bone the active joint.
+
+    To be called when armatures were updated: choosing a bone updates one, and so does much else.
+    """
     for target in housekeeping.characters():
         armature = stack.armature_modifier(target)
         rig = None if armature is None else armature.object
         if rig is None or rig.type != "ARMATURE":
             continue
         name = bone_choice.active_bone_name(rig)
-        known = runtime.character(target.session_uid)
-        if name == known.active_bone:
+        character = runtime.character(target.session_uid)
+        if name == character.active_bone:
             continue
-        known.active_bone = name
+        character.active_bone = name
         place = target.turgor.joints.find(name)
         # Linked characters show it too: which joint is active is no edit of theirs.
         if place >= 0 and place != target.turgor.active_joint:

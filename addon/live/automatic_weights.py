@@ -17,7 +17,7 @@ from ..scene import weight_groups
 
 @dataclass(frozen=True)
 class Options:
-    """As `turgor.automatic_weights` takes them; 0 stands for automatic and for any number."""
+    """What the artist chooses, for `turgor.automatic_weights`; 0 stands for automatic and for any number."""
 
     resolution: int = 0
     falloff: float = 12.0

@@ -15,6 +15,7 @@ from turgor import TurgorError
 
 from .. import runtime
 from ..logic import body, fingerprint, weights
+from ..logic.finding import Finding
 from ..messages import message
 from ..scene import (
     bone_choice,
@@ -29,23 +30,9 @@ from ..scene import (
     spine_stack,
     stack,
 )
+from ..states import VolumeBinding
 from . import findings, masks, profiles
 from .binding_rules import BindError, check_topology, is_editable
-
-
-class Bound(NamedTuple):
-    """A character's engine and what a frame needs to call it."""
-
-    body: body.Body
-    bones: skeleton.RestBones
-    rig: int  # session uid of the armature's object
-    content: str  # fingerprint of the mesh, weights and bones that were bound
-    placement: NDArray[np.float64]  # (4, 4) object_from_armature that was bound
-    curves: profiles.Curves
-    fleshed: list[bool] | None  # per bone, whether Turgor Spine moves its flesh; None where it moves none
-    unweighted_count: int  # vertices that no bone holds
-    group_names: tuple[str, ...]  # of all vertex groups
-    masked_by: tuple[str, bool, str]  # `masks.chosen`
 
 
 def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
@@ -53,33 +40,33 @@ def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
 
     accept_topology: the artist agrees that the mesh has other vertices or faces than when it was bound.
     """
-    known = runtime.character(target.session_uid)
-    known.name = target.name
-    known.signature = stack.signature(target)
+    character = runtime.character(target.session_uid)
+    character.name = target.name
+    character.signature = stack.signature(target)
     started = perf_counter()
-    found: list[runtime.Finding] = []
+    found: list[Finding] = []
     try:
         with runtime.quiet():
-            bound = _bind(target, known.body, accept_topology)
+            bound = _bind(target, character.binding, accept_topology)
     except (BindError, rest.ShapeKeyTopologyError, placement.PlacementError, TurgorError) as error:
         bound = None
         found.append(findings.of_error(target, error))
     else:
         found += findings.of_shells(target, bound.body.shells) + findings.of_weights(target, bound.unweighted_count)
-    known.body, known.mask_findings = bound, ()
-    if known.active_bone is None and bound is not None:
-        known.active_bone = bone_choice.active_bone_name(stack.armature_modifier(target).object)
+    character.binding, character.mask_findings = bound, ()
+    if character.active_bone is None and bound is not None:
+        character.active_bone = bone_choice.active_bone_name(stack.armature_modifier(target).object)
     difference = obstacles.render_difference(target, stack.armature_modifier(target))
     difference = difference or spine_stack.render_difference(target)
     if difference is not None:
         found.append(findings.of_obstacle(target, "WARNING", difference))
     if is_editable(target) and target.override_library is None:
         _set_in_renders(target, difference is None)
-    runtime.set_bind_findings(known, target.name, tuple(found))
+    runtime.set_bind_findings(character, target.name, tuple(found))
     refresh_state(target)
     if bound is not None:
         masks.set_findings(target)
-    known.bind_seconds = perf_counter() - started
+    character.bind_seconds = perf_counter() - started
     holder = carrier.carrier_of(target)
     if holder is not None:
         holder.turgor.carrier.mesh.update_tag()
@@ -94,26 +81,26 @@ def rebind(target: bpy.types.Object, frame: int) -> None:
 
 def refresh_state(target: bpy.types.Object) -> None:
     """Look again at what stands around our modifier, if any of it changed."""
-    known = runtime.character(target.session_uid)
-    state = findings.state(target, stack.volume_modifier(target), stack.armature_modifier(target))
-    if known.state != state:
-        known.state, known.state_findings = state, tuple(findings.of_volume_state(target))
-        runtime.log_findings(known, target.name, known.state_findings)
+    character = runtime.character(target.session_uid)
+    stack_state = findings.state(target, stack.volume_modifier(target), stack.armature_modifier(target))
+    if character.stack_state != stack_state:
+        character.stack_state, character.stack_findings = stack_state, tuple(findings.of_volume_state(target))
+        runtime.log_findings(character, target.name, character.stack_findings)
 
 
 def refresh_curves(target: bpy.types.Object) -> None:
     """Read the Custom curves again; tag the character when they changed."""
-    known = runtime.character(target.session_uid)
-    if known.body is None:
+    character = runtime.character(target.session_uid)
+    if character.binding is None:
         return
-    before = known.body.curves
+    before = character.binding.curves
     found = profiles.read(target, before)
     if found.stamps != before.stamps:
-        known.body = known.body._replace(curves=found)
+        character.binding = character.binding._replace(curves=found)
         carrier.carrier_of(target).turgor.carrier.mesh.update_tag()
 
 
-def _bind(target: bpy.types.Object, before: Bound | None, accept_topology: bool) -> Bound:
+def _bind(target: bpy.types.Object, before: VolumeBinding | None, accept_topology: bool) -> VolumeBinding:
     obstacle = obstacles.obstacle(target)
     if obstacle is not None:
         raise BindError(obstacle)
@@ -171,7 +158,7 @@ def _bind(target: bpy.types.Object, before: Bound | None, accept_topology: bool)
     fleshed = _fleshed(target, bones)
     rig, curves = armature.object.session_uid, profiles.read(target)
     unweighted = weights.unweighted_count(*skin)
-    return Bound(made, bones, rig, content, place, curves, fleshed, unweighted, tuple(group_names), masked_by)
+    return VolumeBinding(made, bones, rig, content, place, curves, fleshed, unweighted, tuple(group_names), masked_by)
 
 
 def _fleshed(target: bpy.types.Object, bones: skeleton.RestBones) -> list[bool] | None:
@@ -182,7 +169,7 @@ def _fleshed(target: bpy.types.Object, bones: skeleton.RestBones) -> list[bool] 
     return [name in chain for name in bones.names]
 
 
-def _is_changed(before: Bound | None, rig: bpy.types.Object, content: str) -> bool:
+def _is_changed(before: VolumeBinding | None, rig: bpy.types.Object, content: str) -> bool:
     return before is not None and (before.rig != rig.session_uid or before.content != content)
 
 

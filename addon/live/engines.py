@@ -9,54 +9,45 @@ from __future__ import annotations
 
 from contextlib import suppress
 from itertools import count
-from typing import NamedTuple
 
 import bpy
 import numpy as np
 import turgor
 from numpy.typing import NDArray
 
-from .. import runtime
 from ..logic import joints
 from ..logic.profiles import Profiles, Tables
+from ..properties.joint import BLEND_NAMES
 from ..properties.profiles import PRESET_NAMES
 from ..scene import frame, settings
-from .binding import Bound
+from ..states import SettledEngine, VolumeBinding, VolumeState
 
 _marks = count(1)
 
 
-class Settled(NamedTuple):
-    """What a copy's settings amount to."""
+def settled(target: bpy.types.Object, character: VolumeState, bound: VolumeBinding) -> SettledEngine:
+    """Read the settings of the evaluated `target` and make its engine, or return those of the last frame if unchanged.
 
-    mark: int
-    bound: Bound
-    saved: settings.BodySettings
-    engine: turgor.VolumeSkin
-    strengths: NDArray[np.float64]  # (J,) of the joints
-    armature: int  # its place in the stack
-
-
-def settled(target: bpy.types.Object, known: runtime.Character, bound: Bound) -> Settled:
-    """Of the evaluated `target`. Raises frame.FrameError without an armature."""
-    last: Settled | None = known.settled
+    Raises frame.FrameError without an armature.
+    """
+    last = character.settled
     if last is not None and last.mark == target.turgor.settled and last.bound is bound:
         return last
     armature = frame.armature_place(target)
     saved = settings.read_settings(target)
     engine, strengths = engine_of(target, saved, bound)
-    made = Settled(next(_marks), bound, saved, engine, strengths, armature)
+    made = SettledEngine(next(_marks), bound, saved, engine, strengths, armature)
     # A copy has room for the mark where its object has, written when it was bound: none is made here.
     if not settings.may_move(target) and target.turgor.is_property_set("settled"):
         # Nothing can be written while Blender draws.
         with suppress(AttributeError):
             target.turgor.settled = made.mark
-            known.settled = made
+            character.settled = made
     return made
 
 
 def engine_of(
-    target: bpy.types.Object, saved: settings.BodySettings, bound: Bound
+    target: bpy.types.Object, saved: settings.BodySettings, bound: VolumeBinding
 ) -> tuple[turgor.VolumeSkin, NDArray[np.float64]]:
     """The engine under these settings, the same object while they are equal, and (J,) strengths of the joints."""
     return bound.body.with_settings(
@@ -67,13 +58,13 @@ def engine_of(
     )
 
 
-def settings_key(saved: settings.BodySettings, bound: Bound) -> object:
-    """Equal while the engine is."""
+def settings_key(saved: settings.BodySettings, bound: VolumeBinding) -> object:
+    """A key that is equal while these settings ask for the same engine."""
     arrays = tuple(array.tobytes() for array in saved.joints)
     return arrays, saved.seconds, saved.solver, saved.keep_bone_scale, bound.curves.stamps
 
 
-def _joints(target: bpy.types.Object, saved: settings.BodySettings, bound: Bound) -> list[turgor.Joint]:
+def _joints(target: bpy.types.Object, saved: settings.BodySettings, bound: VolumeBinding) -> list[turgor.Joint]:
     index = {name: number for number, name in enumerate(bound.bones.names)}
     arrays, tables = saved.joints, bound.curves.tables
     strengths = joints.effective_strengths(arrays.strengths, arrays.is_muted, arrays.is_solo)
@@ -88,7 +79,7 @@ def _joints(target: bpy.types.Object, saved: settings.BodySettings, bound: Bound
             tables.get((place, False)),
         )
         second = saved.seconds.get(place)
-        by_value = arrays.blend_modes[place] == settings.BLEND_BY_VALUE
+        by_value = BLEND_NAMES[arrays.blend_modes[place]] == "VALUE"
         joint = joints.JointSettings(
             index[name],
             float(strengths[place]),

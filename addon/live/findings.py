@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import runtime
+from ..logic.character_figures import SpineFigures, VolumeFigures
 from ..logic.shells import Shells
 from ..messages import message
 from ..messages import of_error as message_of
@@ -33,12 +34,12 @@ _SHELL_FIXES = {"sheet": "SELECT_OPEN_EDGES", "non_manifold": "SELECT_NON_MANIFO
 
 
 def finding(target: bpy.types.Object, severity: str, name: str, text: str, fix: str = "", subject: str = "") -> Finding:
-    """With the reason why its fix cannot be applied to this object."""
+    """A finding about `target`, with the reason why its fix cannot be applied there, if any."""
     return Finding(name, severity, text, fix, subject, refusals.refusal(target, fix, subject) if fix else "")
 
 
 def of_error(target: bpy.types.Object, error: BaseException) -> Finding:
-    """Why the mesh shows what it would without ours."""
+    """The finding for an error of a bind or a frame: why the mesh shows what it would without our modifier."""
     if isinstance(error, BindError):
         return of_obstacle(target, "ERROR", error.obstacle)
     name = ERROR_IDS.get(type(error).__name__, "engine")
@@ -46,12 +47,12 @@ def of_error(target: bpy.types.Object, error: BaseException) -> Finding:
 
 
 def of_obstacle(target: bpy.types.Object, severity: str, found: Obstacle) -> Finding:
-    """The same for the panel."""
+    """The finding for an obstacle in the stack or the scene."""
     return finding(target, severity, found.id, found.text, found.fix, found.subject)
 
 
 def of_shells(target: bpy.types.Object, shells: Shells) -> list[Finding]:
-    """Parts that are open, inside out, or stay as skinned."""
+    """Findings about parts of the mesh that are open, inside out, or stay as skinned."""
     found = []
     for status, count in sorted(shells.unsound.items()):
         severity = "WARNING" if status in {"non_manifold", "not_orientable"} or not shells.sound else "INFO"
@@ -74,7 +75,7 @@ def of_shells(target: bpy.types.Object, shells: Shells) -> list[Finding]:
 
 
 def of_weights(target: bpy.types.Object, unweighted_count: int) -> list[Finding]:
-    """Vertices among weighted ones that no bone holds."""
+    """A finding where some vertices among weighted ones follow no bone."""
     if not unweighted_count:
         return []
     text = message(
@@ -84,7 +85,10 @@ def of_weights(target: bpy.types.Object, unweighted_count: int) -> list[Finding]
 
 
 def of_masks(target: bpy.types.Object, mask: NDArray[np.float32] | None, pinned_shells: int) -> list[Finding]:
-    """Groups that are gone or empty, and masks that leave nothing free. mask: (N,) None without any."""
+    """Findings about mask groups that are gone or empty, and masks that leave nothing free.
+
+    mask: (N,), None without any.
+    """
     saved = target.turgor
     found = []
     for name in dict.fromkeys((saved.vertex_group, saved.pin_group)):
@@ -101,18 +105,18 @@ def of_masks(target: bpy.types.Object, mask: NDArray[np.float32] | None, pinned_
 
 
 def of_volume_state(target: bpy.types.Object) -> list[Finding]:
-    """Around Turgor Volume: what can change without any bind."""
+    """Findings about the stack and the object around Turgor Volume, which may change without any bind."""
     ours, armature = stack.volume_modifier(target), stack.armature_modifier(target)
     return _of_state(target, ours, armature)
 
 
 def of_spine_state(target: bpy.types.Object) -> list[Finding]:
-    """Around Turgor Spine."""
+    """Findings about the stack and the object around Turgor Spine, which may change without any bind."""
     return _of_state(target, spine_stack.spine_modifier(target), spine_stack.limb_modifier(target))
 
 
 def state(target: bpy.types.Object, ours: bpy.types.Modifier | None, armature: bpy.types.Modifier | None) -> tuple:
-    """While equal, `of_volume_state` or `of_spine_state` finds the same; cheap."""
+    """A key, cheap to make: while it is equal, `of_volume_state` or `of_spine_state` finds the same."""
     switches = [None if each is None else (each.show_viewport, each.show_render) for each in (ours, armature)]
     session = runtime.session
     return (*switches, target.matrix_world.is_negative, target.library is None, session.route, session.route_reason)
@@ -141,8 +145,8 @@ def _of_state(
     return found
 
 
-def of_figures(target: bpy.types.Object, figures: runtime.Figures, strengths: dict[str, float]) -> tuple[Finding, ...]:
-    """Of one frame of Turgor Volume: joints out of room, volume that settings leave out, folds.
+def of_figures(target: bpy.types.Object, figures: VolumeFigures, strengths: dict[str, float]) -> tuple[Finding, ...]:
+    """Findings about one frame of Turgor Volume: joints out of room, volume that settings leave out, folds.
 
     strengths: by joint.
     """
@@ -178,7 +182,7 @@ def of_figures(target: bpy.types.Object, figures: runtime.Figures, strengths: di
     return tuple(found)
 
 
-def _of_capped_joints(target: bpy.types.Object, figures: runtime.Figures) -> list[Finding]:
+def _of_capped_joints(target: bpy.types.Object, figures: VolumeFigures) -> list[Finding]:
     capped = [name for name, joint in figures.joints.items() if joint.is_capped and abs(joint.lost) >= NOTABLE_PERCENT]
     capped.sort(key=lambda name: -abs(figures.joints[name].lost))
     found = []
@@ -194,8 +198,8 @@ def _of_capped_joints(target: bpy.types.Object, figures: runtime.Figures) -> lis
     return found
 
 
-def of_spine_figures(figures: runtime.SpineFigures) -> tuple[Finding, ...]:
-    """Of one frame of Turgor Spine."""
+def of_spine_figures(figures: SpineFigures) -> tuple[Finding, ...]:
+    """Findings about one frame of Turgor Spine: vertices that are held back."""
     if not figures.clamped_count:
         return ()
     text = message(

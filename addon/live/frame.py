@@ -13,9 +13,12 @@ from numpy.typing import NDArray
 
 from .. import runtime
 from ..logic import figures
+from ..logic.character_figures import Folds, JointFigures, Timing, VolumeFigures
+from ..logic.finding import Finding
+from ..logic.lazy import Lazy
 from ..scene import frame, settings, shown_mesh
+from ..states import VolumeBinding, VolumeState
 from . import engines, findings, spine_frame
-from .binding import Bound
 from .guard import guarded
 
 
@@ -25,15 +28,15 @@ def correct(target: bpy.types.Object, address: int, vertex_count: int) -> bool:
     False: there is nothing to show but plain skinning, offsets must be zero.
     """
     return guarded(
-        runtime.session.characters, target, lambda known: _correct_bound(target, known, address, vertex_count)
+        runtime.session.characters, target, lambda character: _correct_bound(target, character, address, vertex_count)
     )
 
 
-def _correct_bound(target: bpy.types.Object, known: runtime.Character, address: int, vertex_count: int) -> bool:
-    bound: Bound | None = known.body
+def _correct_bound(target: bpy.types.Object, character: VolumeState, address: int, vertex_count: int) -> bool:
+    bound = character.binding
     if bound is None:
         return False
-    _correct(target, known, bound, address, vertex_count)
+    _correct(target, character, bound, address, vertex_count)
     return True
 
 
@@ -47,9 +50,12 @@ class Request(NamedTuple):
     saved: settings.BodySettings
 
 
-def read(target: bpy.types.Object, known: runtime.Character, bound: Bound) -> Request:
-    """Of the evaluated `target`. Raises what says why it cannot be read."""
-    now = engines.settled(target, known, bound)
+def read(target: bpy.types.Object, character: VolumeState, bound: VolumeBinding) -> Request:
+    """Read what the engine needs for one frame from the evaluated `target`.
+
+    Raises frame.FrameError, another ValueError or turgor.TurgorError, which say why it cannot be read.
+    """
+    now = engines.settled(target, character, bound)
     inputs = frame.read_inputs(target, target.modifiers[now.armature].object)
     try:
         pose_matrices = inputs.pose_matrices[bound.bones.pose_indices]
@@ -65,67 +71,69 @@ def read(target: bpy.types.Object, known: runtime.Character, bound: Bound) -> Re
     return Request(now.engine, pose_matrices, options, now.strengths, now.saved)
 
 
-def _correct(target: bpy.types.Object, known: runtime.Character, bound: Bound, address: int, vertex_count: int) -> None:
+def _correct(
+    target: bpy.types.Object, character: VolumeState, bound: VolumeBinding, address: int, vertex_count: int
+) -> None:
     started = perf_counter()
-    asked = read(target, known, bound)
+    asked = read(target, character, bound)
     ready = perf_counter()
     report = asked.engine.deform_into_address(address, vertex_count, asked.pose_matrices, **asked.options)
     done = perf_counter()
     if not runtime.session.is_rendering:
-        _remember(target, known, bound, asked, lambda: report)
-        known.timing = runtime.Timing(1e3 * (ready - started), 1e3 * (done - ready), 0.0)
+        _remember(target, character, bound, asked, lambda: report)
+        character.timing = Timing(1e3 * (ready - started), 1e3 * (done - ready), 0.0)
 
 
 def observe(target: bpy.types.Object) -> None:
     """Figures of the evaluated `target` at a frame at which nothing asks for offsets: our modifier is off."""
-    known = runtime.session.characters.get(target.original.session_uid)
-    bound: Bound | None = None if known is None else known.body
-    if bound is None:
+    character = runtime.session.characters.get(target.original.session_uid)
+    if character is None or character.binding is None:
         return
+    bound = character.binding
     try:
-        asked = read(target, known, bound)
+        asked = read(target, character, bound)
     except Exception:  # said in the panel when the modifier is on
-        known.measure = known.inspect = None
+        character.measure = character.inspect = None
         return
-    _remember(target, known, bound, asked, lambda: asked.engine.deform(asked.pose_matrices, **asked.options).report)
-    known.timing = None
+    _remember(target, character, bound, asked, lambda: asked.engine.deform(asked.pose_matrices, **asked.options).report)
+    character.timing = None
 
 
 def _remember(
     target: bpy.types.Object,
-    known: runtime.Character,
-    bound: Bound,
+    character: VolumeState,
+    bound: VolumeBinding,
     asked: Request,
     report: Callable[[], turgor.Report],
 ) -> None:
-    known.name = target.name
+    character.name = target.name
     uid = target.original.session_uid
-    known.measure = measure = runtime.Once(lambda: _figures(uid, known, report(), bound, asked))
-    known.inspect = runtime.Once(lambda: _inspect(uid, known, measure(), bound, asked.strengths))
+    character.measure = measure = Lazy(lambda: _figures(uid, character, report(), bound, asked))
+    character.inspect = Lazy(lambda: _inspect(uid, character, measure(), bound, asked.strengths))
 
 
 def _figures(
-    uid: int, known: runtime.Character, report: turgor.Report, bound: Bound, asked: Request
-) -> runtime.Figures:
-    """When a panel is drawn, on the main thread: after all that the viewport shows was evaluated."""
+    uid: int, character: VolumeState, report: turgor.Report, bound: VolumeBinding, asked: Request
+) -> VolumeFigures:
+    """Figures of a frame. Called on the main thread when a panel is drawn, after the viewport's mesh was evaluated."""
     found = figures.frame_figures(
         report,
         bound.body.rest_volume,
         asked.strengths,
         asked.options["target_scale"],
-        _shown_volumes(uid, known, bound),
+        _shown_volumes(uid, character, bound),
     )
     names = [bound.bones.names[bone] for bone in bound.body.joint_bones]
     rows = zip(found.lost, found.regained, found.is_capped, strict=True)
-    by_bone = {name: runtime.JointFigures(*row) for name, row in zip(names, rows, strict=True)}
+    by_bone = {name: JointFigures(*row) for name, row in zip(names, rows, strict=True)}
     folds = None
     if asked.options.get("repair_folds"):
-        folds = runtime.Folds(report.folds_found, report.folds_left, len(report.blocked_vertices))
-    return runtime.Figures(found.corrected_deviation, found.skinned_deviation, found.shown_deviation, by_bone, folds)
+        folds = Folds(report.folds_found, report.folds_left, len(report.blocked_vertices))
+    return VolumeFigures(found.corrected_deviation, found.skinned_deviation, found.shown_deviation, by_bone, folds)
 
 
-def _shown_volumes(uid: int, known: runtime.Character, bound: Bound) -> NDArray[np.float64] | None:
-    target = runtime.object_of(uid, known, bpy.data.objects)
+def _shown_volumes(uid: int, character: VolumeState, bound: VolumeBinding) -> NDArray[np.float64] | None:
+    target = runtime.object_of(uid, character, bpy.data.objects)
     positions = None if target is None else shown_mesh.positions(target)
     if positions is None or len(positions) != bound.body.vertex_count or not np.isfinite(positions).all():
         return None
@@ -133,13 +141,13 @@ def _shown_volumes(uid: int, known: runtime.Character, bound: Bound) -> NDArray[
 
 
 def _inspect(
-    uid: int, known: runtime.Character, figures: runtime.Figures, bound: Bound, strengths: NDArray[np.float64]
-) -> tuple[runtime.Finding, ...]:
-    """When a panel is drawn, on the main thread."""
-    target = runtime.object_of(uid, known, bpy.data.objects)
+    uid: int, character: VolumeState, figures: VolumeFigures, bound: VolumeBinding, strengths: NDArray[np.float64]
+) -> tuple[Finding, ...]:
+    """Find and log what is off in a frame. Called on the main thread when a panel is drawn."""
+    target = runtime.object_of(uid, character, bpy.data.objects)
     if target is None:
         return ()
     names = [bound.bones.names[bone] for bone in bound.body.joint_bones]
     found = findings.of_figures(target, figures, dict(zip(names, strengths.tolist(), strict=True)))
-    runtime.log_findings(known, target.name, found)
+    runtime.log_findings(character, target.name, found)
     return found

@@ -23,7 +23,7 @@ def copy(source: TurgorJoint, joint: TurgorJoint) -> None:
 
 
 def copy_to_selected(target: bpy.types.Object) -> int:
-    """From the active joint; how many were given its settings."""
+    """Copy the active joint's settings to the selected ones; returns how many were given them."""
     source, *others = edited_joints(target.turgor) or [None]
     for joint in others:
         copy(source, joint)
@@ -52,7 +52,7 @@ def mirror(target: bpy.types.Object) -> tuple[int, list[str]]:
 
 
 def reset(joints: Sequence[TurgorJoint]) -> None:
-    """As a new joint is."""
+    """Give the joints the settings that a new joint has."""
     for joint in joints:
         for profile_set in (joint.second, joint):
             profile_set.preset = "ISOTROPIC"

@@ -21,13 +21,16 @@ READING_SHARE = 3.0
 
 
 def chosen(target: bpy.types.Object) -> tuple[str, bool, str]:
-    """Vertex group, whether it is inverted, group that pins; names are empty where none is chosen."""
+    """The masks that are chosen: vertex group, whether it is inverted, group that pins; empty names for none."""
     saved = target.turgor
     return saved.vertex_group, saved.invert_vertex_group, saved.pin_group
 
 
 def read_mask(target: bpy.types.Object) -> NDArray[np.float32] | None:
-    """(N,) as the groups are now; None without any. Groups that do not exist count as not chosen."""
+    """Read the mask, (N,), from the vertex groups as they are now; None without any.
+
+    Groups that do not exist count as not chosen.
+    """
     group, is_inverted, pin_group = chosen(target)
     names = [name for name in dict.fromkeys((group, pin_group)) if name in target.vertex_groups]
     if not names:
@@ -39,19 +42,19 @@ def read_mask(target: bpy.types.Object) -> NDArray[np.float32] | None:
 
 def follow(target: bpy.types.Object, *, is_edited: bool) -> None:
     """Use other groups that were chosen, and what is being painted on them."""
-    known = runtime.character(target.session_uid)
-    if known.body is None:
+    character = runtime.character(target.session_uid)
+    if character.binding is None:
         return
-    if known.body.masked_by != chosen(target):
+    if character.binding.masked_by != chosen(target):
         refresh(target)
     elif is_edited and target.mode == "WEIGHT_PAINT" and is_painted(target):
-        strokes.soon(target.session_uid, "mask", refresh, known.mask_seconds * READING_SHARE)
+        strokes.soon(target.session_uid, "mask", refresh, character.mask_seconds * READING_SHARE)
 
 
 def refresh(target: bpy.types.Object) -> None:
     """Read the masks and show the character with them."""
-    known = runtime.character(target.session_uid)
-    bound = known.body
+    character = runtime.character(target.session_uid)
+    bound = character.binding
     if bound is None:
         return
     started = perf_counter()
@@ -63,17 +66,17 @@ def refresh(target: bpy.types.Object) -> None:
     if not _equal(mask, bound.body.mask):
         bound = bound._replace(body=bound.body.masked(mask))
         carrier.carrier_of(target).turgor.carrier.mesh.update_tag()
-    known.body = bound
-    known.mask_seconds = perf_counter() - started
+    character.binding = bound
+    character.mask_seconds = perf_counter() - started
     set_findings(target)
 
 
 def set_findings(target: bpy.types.Object) -> None:
-    """What is off with the masks of a bound character."""
-    known = runtime.character(target.session_uid)
-    made = known.body.body
-    known.mask_findings = tuple(findings.of_masks(target, made.mask, made.pinned_shells))
-    runtime.log_findings(known, target.name, known.mask_findings)
+    """Keep and log what is off with the masks of a bound character."""
+    character = runtime.character(target.session_uid)
+    made = character.binding.body
+    character.mask_findings = tuple(findings.of_masks(target, made.mask, made.pinned_shells))
+    runtime.log_findings(character, target.name, character.mask_findings)
 
 
 def is_painted(target: bpy.types.Object) -> bool:

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from .. import runtime
 from ..logic import figures
+from ..logic.character_figures import Motion
+from ..states import VolumeBinding
 from . import sampling
-from .binding import Bound
 from .binding_rules import is_editable
 from .sampling import Sample
 
@@ -23,8 +24,10 @@ def measure(
     *,
     tell: Callable[[int], None] = lambda done: None,
     use_test_motion: bool = True,
-) -> runtime.Motion:
-    """Keep figures for a graph and the largest loss of each joint. tell: is told how many frames are done.
+) -> Motion:
+    """Measure a character at these frames; keep figures for a graph and the largest loss of each joint.
+
+    tell: is told how many frames are done.
 
     use_test_motion: where nothing moves in these frames, a test range of motion is measured instead.
 
@@ -44,7 +47,7 @@ def measure(
     return found
 
 
-def _motion(bound: Bound, samples: Iterable[Sample], frames: NDArray[np.float64] | None) -> runtime.Motion:
+def _motion(bound: VolumeBinding, samples: Iterable[Sample], frames: NDArray[np.float64] | None) -> Motion:
     names = tuple(bound.bones.names[bone] for bone in bound.body.joint_bones)
     found = [figures.MotionFigures(np.zeros(0), np.zeros(0), np.zeros((0, len(names))))]
     folds = [np.zeros((1, len(names)))]
@@ -57,7 +60,7 @@ def _motion(bound: Bound, samples: Iterable[Sample], frames: NDArray[np.float64]
         folds.append(figures.fold_losses(measures.joint_losses, first.engine.joint_lengths, matrices))
     corrected, skinned, lost = (np.concatenate(parts) for parts in zip(*found, strict=True))
     peak_folds = np.concatenate(folds).max(axis=0)
-    return runtime.Motion(frames, corrected, skinned, names, lost, dict(zip(names, peak_folds.tolist(), strict=True)))
+    return Motion(frames, corrected, skinned, names, lost, dict(zip(names, peak_folds.tolist(), strict=True)))
 
 
 def _many(batch: Sequence[Sample], matrices: NDArray[np.float64], scales: NDArray[np.float64]) -> turgor.Measures:
@@ -69,7 +72,7 @@ def _many(batch: Sequence[Sample], matrices: NDArray[np.float64], scales: NDArra
     )
 
 
-def _one(sample: Sample, bound: Bound) -> turgor.Report:
+def _one(sample: Sample, bound: VolumeBinding) -> turgor.Report:
     offsets = np.empty((bound.body.vertex_count, 3), np.float32)
     return sample.engine.deform_into(
         offsets,

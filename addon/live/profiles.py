@@ -6,38 +6,28 @@ Main thread only. Curves are drawn when a joint is first shown; an unedited pres
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import bpy
 import numpy as np
 
 from ..logic import profiles as presets
+from ..logic.profiles import Curves, Place
 from ..properties.joint import TurgorJoint
 from ..properties.profiles import PRESET_NAMES, ProfileHooks, ProfileSet
 from ..properties.shares import THIRDS
 from ..scene import curves
 from .binding_rules import is_editable
 
-# Place of the joint, and whether it is its second set.
-Place = tuple[int, bool]
-
 # Set by hand are shares that are none of these, within float32.
 SHARE_TOLERANCE = 1e-5
 _CUSTOM_NUMBER = next(number for number, name in PRESET_NAMES.items() if name == "CUSTOM")
-
-
-class Curves(NamedTuple):
-    """Sampled curves of the Custom sets that count."""
-
-    tables: dict[Place, presets.Tables]
-    stamps: dict[Place, str]  # changes with the table
 
 
 NO_CURVES = Curves({}, {})
 
 
 def read(target: bpy.types.Object, before: Curves = NO_CURVES) -> Curves:
-    """As they are drawn now; what has not changed since `before` is taken from there."""
+    """The Custom curves as they are drawn now; what has not changed since `before` is taken from there."""
     saved = target.turgor
     found = Curves({}, {})
     for place, profiles in _custom_sets(saved.joints):

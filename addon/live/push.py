@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import runtime
+from ..logic.character_figures import Timing
 from ..scene import carrier
 from .kinds import FRAMES
 
@@ -41,10 +42,10 @@ def _write(holder: bpy.types.Object, target: bpy.types.Object) -> None:
         offsets[...] = 0.0
     started = perf_counter()
     _write_changed(mesh, offsets)
-    known = runtime.known(kind, target.original.session_uid)
-    if known.timing is not None:
+    state = runtime.state_of(kind, target.original.session_uid)
+    if state.timing is not None:
         milliseconds = 1e3 * (perf_counter() - started)
-        known.timing = runtime.Timing(known.timing.read, known.timing.engine, milliseconds)
+        state.timing = Timing(state.timing.read, state.timing.engine, milliseconds)
 
 
 def _write_changed(mesh: bpy.types.Mesh, offsets: NDArray[np.float32]) -> None:

@@ -17,12 +17,12 @@ from .. import runtime
 from ..logic import fingerprint
 from ..logic.polygons import Faces
 from ..logic.refined_faces import Split
-from ..logic.refined_region import Need, Options, Region, surface
+from ..logic.refined_region import MotionNeed, Need, Options, Region, surface
 from ..logic.refinement import Refinement
 from ..messages import message
 from ..scene import face_origins, refined_mesh, settings, spine_stack, stack
+from ..states import VolumeBinding
 from . import binding, engines, sampling, spine_binding, strokes
-from .binding import Bound
 from .sampling import Sample
 
 # After a setting was changed.
@@ -35,22 +35,6 @@ class RefineError(ValueError):
     """Why the mesh is not refined, and what to do."""
 
 
-class Found(NamedTuple):
-    """What a motion asks for, kept with the character."""
-
-    state: object  # of what it depends on, but for the motion
-    motion: str  # fingerprint of the poses
-    need: Need
-    regions: dict[Options, Region]  # the last that was looked at
-
-    def region(self, options: Options) -> Region:
-        """The same object for the same options."""
-        if options not in self.regions:
-            self.regions.clear()
-            self.regions[options] = Region(self.need, options)
-        return self.regions[options]
-
-
 class Made(NamedTuple):
     """What became of a mesh."""
 
@@ -60,7 +44,7 @@ class Made(NamedTuple):
     short_count: int  # faces afterwards that ask for more levels than they may have
 
 
-def find(target: bpy.types.Object, tell: Callable[[int], None] = lambda done: None) -> Found:
+def find(target: bpy.types.Object, tell: Callable[[int], None] = lambda done: None) -> MotionNeed:
     """Look at the motion, and keep what it asks for. tell: is told how many frames are done.
 
     Raises ValueError where the character is not bound or a frame cannot be read.
@@ -70,17 +54,17 @@ def find(target: bpy.types.Object, tell: Callable[[int], None] = lambda done: No
     samples = list(watched)
     if not watched.has_moved:
         samples = list(sampling.turned(target, bound))
-    known = runtime.character(target.session_uid)
+    character = runtime.character(target.session_uid)
     state, motion = _state(target, bound), _fingerprint(samples)
-    before: Found | None = known.refinement
+    before = character.refinement
     if before is not None and (before.state, before.motion) == (state, motion):
         return before
-    known.refinement = found = Found(state, motion, _need(target, bound, samples), {})
+    character.refinement = found = MotionNeed(state, motion, _need(target, bound, samples), {})
     return found
 
 
 def frames(target: bpy.types.Object) -> list[int]:
-    """Those that are looked at."""
+    """Frames of the scene at which the motion is looked at."""
     return sampling.quick_frames(target, sampling.scene_frames(bpy.context.scene))
 
 
@@ -89,12 +73,12 @@ def look(ob: bpy.types.Object) -> Region | None:
     if not strokes.CAN_WAIT and _is_due(ob):
         # Nothing is drawn without a window: a farm does not look at motions for the preview's sake.
         refresh(ob)
-    known = runtime.session.characters.get(ob.session_uid)
+    character = runtime.session.characters.get(ob.session_uid)
     saved = ob.turgor.refine
-    if known is None or known.refinement is None or known.body is None or not saved.show_preview:
+    if character is None or character.refinement is None or character.binding is None or not saved.show_preview:
         return None
-    found: Found = known.refinement
-    if len(found.need.bound_positions) != known.body.body.vertex_count:
+    found = character.refinement
+    if len(found.need.bound_positions) != character.binding.body.vertex_count:
         return None
     return found.region(options_of(saved))
 
@@ -111,19 +95,19 @@ def follow(target: bpy.types.Object) -> None:
 
 
 def _is_due(target: bpy.types.Object) -> bool:
-    known = runtime.session.characters.get(target.session_uid)
-    if known is None or known.body is None or not target.turgor.refine.show_preview:
+    character = runtime.session.characters.get(target.session_uid)
+    if character is None or character.binding is None or not target.turgor.refine.show_preview:
         return False
-    return known.refinement is None or known.refinement.state != _state(target, known.body)
+    return character.refinement is None or character.refinement.state != _state(target, character.binding)
 
 
 def refresh(target: bpy.types.Object) -> None:
     """Find again for the preview; without a motion that can be read there is none."""
-    known = runtime.character(target.session_uid)
+    character = runtime.character(target.session_uid)
     try:
         find(target)
     except ValueError as error:
-        known.refinement = None
+        character.refinement = None
         runtime.log.warning("%s: no preview: %s", target.name, error)
     # It may come long after the edit that asked for it.
     for window in bpy.context.window_manager.windows:
@@ -223,15 +207,15 @@ def _users(mesh: bpy.types.Mesh) -> list[bpy.types.Object]:
 
 
 def _bind(target: bpy.types.Object) -> None:
-    """As it was bound, but for the mesh: the placement of then stays."""
+    """Bind a refined mesh again, with the placement that was bound before."""
     if spine_stack.spine_modifier(target) is not None:
         spine_binding.bind(target, accept_topology=True)
     if stack.volume_modifier(target) is not None:
-        runtime.character(target.session_uid).body = None
+        runtime.character(target.session_uid).binding = None
         binding.bind(target, accept_topology=True)
 
 
-def _state(target: bpy.types.Object, bound: Bound) -> object:
+def _state(target: bpy.types.Object, bound: VolumeBinding) -> object:
     mask = bound.body.mask
     saved = settings.read_settings(target)
     return (
@@ -258,21 +242,21 @@ def _fingerprint(samples: Sequence[Sample]) -> str:
     return fingerprint.fingerprint(arrays, [sample.target_scale for sample in samples])
 
 
-def _need(target: bpy.types.Object, bound: Bound, samples: Sequence[Sample]) -> Need:
+def _need(target: bpy.types.Object, bound: VolumeBinding, samples: Sequence[Sample]) -> Need:
     count = bound.body.vertex_count
     gamma, edge_lengths = np.zeros(count, np.float32), np.full(count, np.inf, np.float32)
     for batch in sampling.batches(samples):
         need = _of_batch(batch, bound)
         gamma, edge_lengths = np.maximum(gamma, need.gamma), np.minimum(edge_lengths, need.edge_lengths)
-    anatomy = bound.body.flesh.anatomy
-    faces = Faces(anatomy.face_offsets, anatomy.face_corners)
+    geometry = bound.body.rest
+    faces = Faces(geometry.face_offsets, geometry.face_corners)
     read = refined_mesh.read_surface(target.data)
     armature = stack.armature_modifier(target)
     origins = face_origins.face_origins(target, armature, target.turgor.bound_frame)
-    return Need(surface(*read[1:]), faces, anatomy.rest_positions, origins, gamma, edge_lengths)
+    return Need(surface(*read[1:]), faces, geometry.positions, origins, gamma, edge_lengths)
 
 
-def _of_batch(batch: Sequence[Sample], bound: Bound) -> turgor.RefinementNeed:
+def _of_batch(batch: Sequence[Sample], bound: VolumeBinding) -> turgor.RefinementNeed:
     first = batch[0]
     return first.engine.refinement_need(
         np.stack([sample.pose_matrices for sample in batch]),

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from .. import runtime
 from ..logic import range_of_motion
 from ..scene import pose_samples, settings, shape_keys, stack
+from ..states import VolumeBinding
 from . import binding, frame
-from .binding import Bound
 from .engines import engine_of
 
 # What looking at a motion takes at most where nobody asked for it, about a second: vertices times poses, and poses.
@@ -42,15 +42,15 @@ class Sample(NamedTuple):
     added_offsets: NDArray[np.float32] | None  # (N, 3) of Turgor Spine
 
 
-def bound(target: bpy.types.Object) -> Bound:
-    """As the stack is now. Raises ValueError where the character is not bound."""
-    known = runtime.character(target.session_uid)
-    if known.signature != stack.signature(target):
+def bound(target: bpy.types.Object) -> VolumeBinding:
+    """The binding of a character with its stack as it is now. Raises ValueError where it is not bound."""
+    character = runtime.character(target.session_uid)
+    if character.signature != stack.signature(target):
         # A script changed the stack, and nothing has been evaluated since.
         binding.bind(target)
-    if known.body is None:
-        raise ValueError(known.problem or "The character is not bound: press Rebind")
-    return known.body
+    if character.binding is None:
+        raise ValueError(character.problem or "The character is not bound: press Rebind")
+    return character.binding
 
 
 def scene_frames(scene: bpy.types.Scene) -> list[int]:
@@ -65,19 +65,19 @@ def quick_frames(target: bpy.types.Object, frames: Sequence[int]) -> list[int]:
 
     By counts alone, not by the clock: the same file gets the same figures on every machine.
     """
-    most = min(QUICK_POSES, _quick_poses(runtime.character(target.session_uid).body))
+    most = min(QUICK_POSES, _quick_poses(runtime.character(target.session_uid).binding))
     if len(frames) <= most:
         return list(frames)
     return [frames[place] for place in np.unique(np.linspace(0, len(frames) - 1, most).round().astype(int))]
 
 
 def samples(
-    target: bpy.types.Object, bound: Bound, frames: Sequence[float], tell: Callable[[int], None]
+    target: bpy.types.Object, bound: VolumeBinding, frames: Sequence[float], tell: Callable[[int], None]
 ) -> Iterator[Sample]:
-    """At these frames of the scene. tell: is told how many are done."""
-    known = runtime.character(target.session_uid)
+    """Poses at these frames of the scene, with their settings. tell: is told how many are done."""
+    character = runtime.character(target.session_uid)
     for done, evaluated in enumerate(pose_samples.evaluated_apart(target, frames)):
-        asked = frame.read(evaluated, known, bound)
+        asked = frame.read(evaluated, character, bound)
         yield Sample(
             asked.engine,
             asked.strengths,
@@ -90,8 +90,8 @@ def samples(
         tell(done + 1)
 
 
-def turned(target: bpy.types.Object, bound: Bound) -> Iterator[Sample]:
-    """Each joint turned in turn."""
+def turned(target: bpy.types.Object, bound: VolumeBinding) -> Iterator[Sample]:
+    """Poses of a test range of motion: each joint turned in turn, all others at rest."""
     saved = settings.read_settings(target)
     engine, strengths = engine_of(target, saved, bound)
     joints = bound.body.joint_bones
@@ -103,7 +103,7 @@ def turned(target: bpy.types.Object, bound: Bound) -> Iterator[Sample]:
 
 
 def batches(poses: Iterable[Sample]) -> Iterator[list[Sample]]:
-    """Neighbours under the same settings; one by one where Turgor Spine adds to the skin."""
+    """Lists of neighbouring samples under the same settings; of one sample where Turgor Spine adds to the skin."""
     for _, alike in groupby(poses, lambda sample: id(sample.engine)):
         batch: list[Sample] = []
         for sample in alike:
@@ -133,6 +133,6 @@ class Watched:
             yield sample
 
 
-def _quick_poses(bound: Bound | None) -> int:
+def _quick_poses(bound: VolumeBinding | None) -> int:
     vertex_count = 1 if bound is None else max(bound.body.vertex_count, 1)
     return max(int(QUICK_VERTEX_POSES / vertex_count), 2)

@@ -5,16 +5,14 @@ As with Turgor Volume, bound engines are never saved, and the same file gives th
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import bpy
 import numpy as np
 import turgor
-from numpy.typing import NDArray
 from turgor import TurgorError
 
 from .. import runtime
 from ..logic import fingerprint, flesh, weights
+from ..logic.finding import Finding
 from ..messages import message
 from ..scene import (
     carrier,
@@ -29,6 +27,7 @@ from ..scene import (
     spine_curve,
     spine_stack,
 )
+from ..states import SpineBinding, SpineState
 from . import findings
 from .binding_rules import BindError, check_topology, is_editable
 
@@ -36,40 +35,27 @@ from .binding_rules import BindError, check_topology, is_editable
 BODY_AT_REST = message("the body without its spine")
 
 
-class Bound(NamedTuple):
-    """A body and its spine at rest, in the spine's own space."""
-
-    flesh: flesh.Flesh
-    content: str  # fingerprint of the mesh and of who follows
-    placement: NDArray[np.float64]  # (4, 4) object_from_spine that was bound
-    chain: tuple[str, ...]  # names of its bones; empty for curves
-    rest_bones: tuple[NDArray[np.float64], NDArray[np.float64]] | None  # `spine_chain.read_rest`
-    rest_curve: spine_curve.SplinePoints | None
-    limb_indices: NDArray[np.int32] | None  # places in the pose of the bones that skin a limb
-    chosen: tuple[object, ...]  # `spine_stack.chosen`
-
-
 def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
     """Bind, or leave a problem for the panel and the log and the mesh as Blender shows it.
 
     accept_topology: the artist agrees that the mesh has other vertices or faces than when it was bound.
     """
-    known = runtime.spine(target.session_uid)
-    known.signature = spine_stack.signature(target)
-    found: list[runtime.Finding] = []
+    state = runtime.spine(target.session_uid)
+    state.signature = spine_stack.signature(target)
+    found: list[Finding] = []
     try:
         with runtime.quiet():
-            bound = _bind(target, known, accept_topology)
+            bound = _bind(target, state, accept_topology)
     except (BindError, rest.ShapeKeyTopologyError, placement.PlacementError, TurgorError) as error:
         bound = None
         found.append(findings.of_error(target, error))
-    known.body = bound
+    state.binding = bound
     difference = obstacles.render_difference(target, spine_stack.rest_end(target), BODY_AT_REST)
     if difference is not None:
         found.append(findings.of_obstacle(target, "WARNING", difference))
     if is_editable(target) and target.override_library is None:
         _set_switches(target, is_same=difference is None)
-    runtime.set_bind_findings(known, target.name, tuple(found))
+    runtime.set_bind_findings(state, target.name, tuple(found))
     refresh_state(target)
     holder = carrier.carrier_of(target, node_group.SPINE)
     if holder is not None:
@@ -86,11 +72,11 @@ def rebind(target: bpy.types.Object, frame: int) -> None:
 
 def refresh_state(target: bpy.types.Object) -> None:
     """Look again at what stands around our modifier, if any of it changed."""
-    known = runtime.spine(target.session_uid)
-    state = findings.state(target, spine_stack.spine_modifier(target), spine_stack.limb_modifier(target))
-    if known.state != state:
-        known.state, known.state_findings = state, tuple(findings.of_spine_state(target))
-        runtime.log_findings(known, target.name, known.state_findings)
+    state = runtime.spine(target.session_uid)
+    stack_state = findings.state(target, spine_stack.spine_modifier(target), spine_stack.limb_modifier(target))
+    if state.stack_state != stack_state:
+        state.stack_state, state.stack_findings = stack_state, tuple(findings.of_spine_state(target))
+        runtime.log_findings(state, target.name, state.stack_findings)
 
 
 def take_rest(target: bpy.types.Object) -> None:
@@ -126,7 +112,7 @@ def _freeze(copy: bpy.types.Curve, source: bpy.types.Object) -> None:
     spine_curve.write_curve(copy, read)
 
 
-def _bind(target: bpy.types.Object, known: runtime.Character, accept_topology: bool) -> Bound:
+def _bind(target: bpy.types.Object, state: SpineState, accept_topology: bool) -> SpineBinding:
     obstacle = spine_stack.obstacle(target)
     if obstacle is not None:
         raise BindError(obstacle)
@@ -158,7 +144,7 @@ def _bind(target: bpy.types.Object, known: runtime.Character, accept_topology: b
         rest_bones = spine_chain.read_rest(saved.rig, chain)
     held, limb_bones = _limb(target, limb, chain, read, group_names)
     content = fingerprint.fingerprint([*read, influence])
-    before: Bound | None = known.body
+    before = state.binding
     if held is None and before is not None and before.limb_indices is None and before.content == content:
         body = before.flesh
     else:
@@ -171,7 +157,7 @@ def _bind(target: bpy.types.Object, known: runtime.Character, accept_topology: b
     _prepare_scene(target, spine, chain or (), limb_bones, body)
     rest_curve = None if saved.bound_curve is None else spine_curve.read_curve(saved.bound_curve)
     indices = None if limb_bones is None else limb_bones.pose_indices
-    return Bound(body, content, place, chain or (), rest_bones, rest_curve, indices, spine_stack.chosen(saved))
+    return SpineBinding(body, content, place, chain or (), rest_bones, rest_curve, indices, spine_stack.chosen(saved))
 
 
 def _limb(

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from .. import runtime
 from ..logic import courses, flesh, sketch, splines
+from ..logic.character_figures import SpineFigures, Timing
+from ..logic.lazy import Lazy
 from ..messages import message
 from ..scene import (
     frame,
@@ -24,18 +26,18 @@ from ..scene import (
     spine_curve,
     spine_stack,
 )
+from ..states import SpineBinding, SpineState
 from . import findings
 from .guard import guarded
-from .spine_binding import Bound
 
 
 def flesh_frame(target: bpy.types.Object, address: int, vertex_count: int) -> bool:
     """Flesh the evaluated `target`; offsets, (N, 3) float32, go to `address`. False: offsets must be zero."""
-    return guarded(runtime.session.spines, target, lambda known: _flesh_bound(target, known, address, vertex_count))
+    return guarded(runtime.session.spines, target, lambda state: _flesh_bound(target, state, address, vertex_count))
 
 
-def _flesh_bound(target: bpy.types.Object, known: runtime.Character, address: int, vertex_count: int) -> bool:
-    bound: Bound | None = known.body
+def _flesh_bound(target: bpy.types.Object, state: SpineState, address: int, vertex_count: int) -> bool:
+    bound = state.binding
     if bound is None:
         return False
     if bound.flesh.vertex_count != vertex_count:
@@ -49,11 +51,11 @@ def _flesh_bound(target: bpy.types.Object, known: runtime.Character, address: in
     if not _fits(target, bound):
         runtime.session.waiting.add(target.original.session_uid)
         return False
-    _flesh(target, known, bound, address)
+    _flesh(target, state, bound, address)
     return True
 
 
-def _fits(target: bpy.types.Object, bound: Bound) -> bool:
+def _fits(target: bpy.types.Object, bound: SpineBinding) -> bool:
     """Whether the binding is of what is chosen now; scripts choose without telling anybody."""
     keys = shape_keys.count(target.data.shape_keys)
     return bound.chosen == spine_stack.chosen(target.turgor_spine) and bound.flesh.shape_count == keys
@@ -65,8 +67,8 @@ def added_offsets(target: bpy.types.Object, vertex_count: int) -> NDArray[np.flo
     Computed anew: nothing makes one modifier's offsets wait for another's.
     """
     ours = spine_stack.fleshed_limb(target)
-    known = runtime.session.spines.get(target.original.session_uid)
-    bound: Bound | None = None if known is None else known.body
+    state = runtime.session.spines.get(target.original.session_uid)
+    bound = None if state is None else state.binding
     if ours is None or bound is None or bound.flesh.vertex_count != vertex_count:
         return None
     strength = float(modifier_inputs.read_input(ours, node_group.STRENGTH))
@@ -83,7 +85,7 @@ class Shape(NamedTuple):
     strength: float
 
 
-def read_shape(target: bpy.types.Object, bound: Bound) -> Shape:
+def read_shape(target: bpy.types.Object, bound: SpineBinding) -> Shape:
     """`target`: evaluated, with its spine; its mesh need not be. Raises ValueError where the binding does not fit."""
     ours = spine_stack.spine_modifier(target)
     if ours is None or not _fits(target, bound):
@@ -93,7 +95,7 @@ def read_shape(target: bpy.types.Object, bound: Bound) -> Shape:
     return Shape(found.body.positions, found.outcome().offsets, strength)
 
 
-def _flesh(target: bpy.types.Object, known: runtime.Character, bound: Bound, address: int) -> None:
+def _flesh(target: bpy.types.Object, state: SpineState, bound: SpineBinding, address: int) -> None:
     started = perf_counter()
     found = _Frame(target, bound)
     ready = perf_counter()
@@ -101,20 +103,20 @@ def _flesh(target: bpy.types.Object, known: runtime.Character, bound: Bound, add
     done = perf_counter()
     ctypes.memmove(address, outcome.offsets.ctypes.data, outcome.offsets.nbytes)
     if not runtime.session.is_rendering:
-        known.name = target.name
+        state.name = target.name
         world = np.array(target.matrix_world, np.float64)
         body, pose = found.body, found.pose
-        known.measure = measure = runtime.Once(lambda: _figures(outcome))
-        known.inspect = runtime.Once(lambda: findings.of_spine_figures(measure()))
-        known.sketch = runtime.Once(lambda: sketch.draw(body, pose, outcome.offsets, world))
-        known.local_error = runtime.Once(lambda: sketch.local_error(body, pose))
-        known.timing = runtime.Timing(1e3 * (ready - started), 1e3 * (done - ready), 1e3 * (perf_counter() - done))
+        state.measure = measure = Lazy(lambda: _figures(outcome))
+        state.inspect = Lazy(lambda: findings.of_spine_figures(measure()))
+        state.sketch = Lazy(lambda: sketch.draw(body, pose, outcome.offsets, world))
+        state.local_error = Lazy(lambda: sketch.local_error(body, pose))
+        state.timing = Timing(1e3 * (ready - started), 1e3 * (done - ready), 1e3 * (perf_counter() - done))
 
 
 class _Frame:
     """All that one frame reads."""
 
-    def __init__(self, target: bpy.types.Object, bound: Bound) -> None:
+    def __init__(self, target: bpy.types.Object, bound: SpineBinding) -> None:
         saved = target.turgor_spine
         self._flesh = bound.flesh
         self._keep_volume = saved.keep_volume
@@ -143,7 +145,9 @@ class _Bones:
 
     match: flesh.Match = "stations"
 
-    def __init__(self, target: bpy.types.Object, bound: Bound, object_from_armature: NDArray[np.float64]) -> None:
+    def __init__(
+        self, target: bpy.types.Object, bound: SpineBinding, object_from_armature: NDArray[np.float64]
+    ) -> None:
         saved = target.turgor_spine
         self._course: courses.Course = "joints" if saved.course == "JOINTS" else "bones"
         self._use_roll = saved.use_roll
@@ -169,7 +173,7 @@ class _Bones:
 class _Curve:
     """A curve object, as it is now."""
 
-    def __init__(self, target: bpy.types.Object, bound: Bound) -> None:
+    def __init__(self, target: bpy.types.Object, bound: SpineBinding) -> None:
         saved = target.turgor_spine
         if saved.curve is None:
             raise ValueError("The curve is gone: choose another")
@@ -215,10 +219,10 @@ def _chain(place: NDArray[np.float64], matrices: NDArray[np.float64], tail: NDAr
     return courses.chain_of(place @ matrices, place[:3, :3] @ tail + place[:3, 3])
 
 
-def _figures(outcome: flesh.Outcome) -> runtime.SpineFigures:
+def _figures(outcome: flesh.Outcome) -> SpineFigures:
     count, clamped = len(outcome.offsets), outcome.clamped_count
     volumes = None if outcome.volumes is None else outcome.volumes()
     if volumes is None or volumes.rest == 0.0:
-        return runtime.SpineFigures(count, clamped, None, None)
+        return SpineFigures(count, clamped, None, None)
     fleshed, kept = (100.0 * (volume / volumes.rest - 1.0) for volume in volumes[1:])
-    return runtime.SpineFigures(count, clamped, fleshed, kept)
+    return SpineFigures(count, clamped, fleshed, kept)

@@ -96,22 +96,22 @@ def _keep_house(objects: list[bpy.types.Object]) -> None:
 
 def _follow_character(target: bpy.types.Object, *, is_edited: bool) -> None:
     uid = target.session_uid
-    known = runtime.character(uid)
-    is_other_stack = known.signature != stack.signature(target)
-    if take_changed(uid) and is_edited and known.body is not None and not (known.is_stale or is_other_stack):
+    character = runtime.character(uid)
+    is_other_stack = character.signature != stack.signature(target)
+    if take_changed(uid) and is_edited and character.binding is not None and not (character.is_stale or is_other_stack):
         # A slider is being dragged: whether its mesh changed too can be looked at afterwards.
         strokes.when_quiet(uid, "bind", _bind, SECONDS_TO_REST)
         is_edited = False
-    known.is_stale = known.is_stale or is_edited or is_other_stack
-    if known.is_stale and target.mode not in EDITING_MODES:
+    character.is_stale = character.is_stale or is_edited or is_other_stack
+    if character.is_stale and target.mode not in EDITING_MODES:
         _bind(target)
         return
     masks.follow(target, is_edited=is_edited)
     refining.follow(target)
-    if not known.is_stale:
+    if not character.is_stale:
         follow_curves(target)
         binding.refresh_state(target)
-    elif is_edited and _is_skin_painted(target) and known.bind_seconds < MOST_SECONDS_TO_BIND:
+    elif is_edited and _is_skin_painted(target) and character.bind_seconds < MOST_SECONDS_TO_BIND:
         strokes.after_stroke(uid, "bind", _bind)
 
 
@@ -121,26 +121,26 @@ def _is_skin_painted(target: bpy.types.Object) -> bool:
 
 def _bind(target: bpy.types.Object) -> None:
     strokes.drop(target.session_uid, "bind")
-    known = runtime.character(target.session_uid)
-    known.is_stale = target.mode in EDITING_MODES - {"WEIGHT_PAINT"}
-    if known.is_stale:
+    character = runtime.character(target.session_uid)
+    character.is_stale = target.mode in EDITING_MODES - {"WEIGHT_PAINT"}
+    if character.is_stale:
         return  # it is read when the mode is left
     _bind_shown(target)
 
 
 def _bind_shown(target: bpy.types.Object) -> None:
-    """And what is previewed of it."""
+    """Bind a character, and look again at what its refinement preview shows."""
     binding.bind(target)
     refining.follow(target)
 
 
 def _follow_body(target: bpy.types.Object, *, is_edited: bool) -> None:
-    known = runtime.spine(target.session_uid)
-    known.is_stale = known.is_stale or is_edited or known.signature != spine_stack.signature(target)
-    if not known.is_stale:
+    character = runtime.spine(target.session_uid)
+    character.is_stale = character.is_stale or is_edited or character.signature != spine_stack.signature(target)
+    if not character.is_stale:
         spine_binding.refresh_state(target)
     elif target.mode not in EDITING_MODES:
-        known.is_stale = False
+        character.is_stale = False
         spine_binding.bind(target)
 
 
@@ -152,9 +152,9 @@ def follow_curves(target: bpy.types.Object) -> None:
 
 
 def follow_shown_curves(ob: bpy.types.Object) -> bool:
-    """The same for a character, or those of an armature, whose curves are shown: they are drawn if they are not yet.
+    """Use the curves that are shown of a character, or of all characters of an armature, as they are drawn now.
 
-    False where the object has none.
+    Curves that were never drawn are drawn from their preset. Returns False where no curves are shown.
     """
     shown = [(target, profiles.shown_set(target)) for target in _characters_of(ob)]
     for target, profile_set in shown:
@@ -168,7 +168,9 @@ def follow_shown_curves(ob: bpy.types.Object) -> bool:
 def _characters_of(ob: bpy.types.Object) -> list[bpy.types.Object]:
     if ob.type == "MESH":
         return [ob] if stack.volume_modifier(ob) is not None else []
-    bodies = [known.body for known in list(runtime.session.characters.values()) if known.body is not None]
+    bodies = [
+        character.binding for character in list(runtime.session.characters.values()) if character.binding is not None
+    ]
     if not any(body.rig == ob.session_uid for body in bodies):
         return []
     armatures = ((target, stack.armature_modifier(target)) for target in housekeeping.characters())

@@ -52,7 +52,7 @@ def when_quiet(uid: int, name: str, work: Work, pause: float) -> None:
 
 
 def drop(uid: int, name: str) -> None:
-    """It was done otherwise."""
+    """Cancel waiting work: the caller does it otherwise."""
     _waiting.pop((uid, name), None)
 
 
@@ -67,7 +67,7 @@ def finish(*, is_stroking: bool = False) -> float | None:
 
 
 def forget() -> None:
-    """Nothing waits any more: another file, or the extension goes."""
+    """Cancel all waiting work: another file was loaded, or the extension goes."""
     _waiting.clear()
     _done.clear()
     if bpy.app.timers.is_registered(finish):

@@ -63,7 +63,7 @@ def as_on_body(
 
 
 def sparse(weights: NDArray[np.float64]) -> BoneWeights:
-    """From (N, B)."""
+    """Weights by vertex, without zeros, from an array (N, B)."""
     vertices, bones = np.nonzero(weights)
     offsets = np.searchsorted(vertices, np.arange(len(weights) + 1)).astype(np.int32)
     return BoneWeights(offsets, bones.astype(np.int32), weights[vertices, bones].astype(np.float32))

@@ -58,12 +58,12 @@ class BakeFiles(NamedTuple):
 
     @property
     def report(self) -> Path:
-        """Of the method, for programs; tells whose this bake is."""
+        """Path of the report for programs, one per method; it says whose bake this is."""
         return self.folder / f"{self.stem}_{self.method.lower()}.json"
 
     @property
     def text(self) -> Path:
-        """The report for people."""
+        """Path of the report for people, one per method."""
         return self.folder / f"{self.stem}_{self.method.lower()}.txt"
 
     def earlier(self, *, may_overwrite: bool = False) -> dict[str, Any] | None:
@@ -94,7 +94,7 @@ def seen_from(path: str, folder: Path) -> str:
 
 
 def digest_of(path: str) -> str:
-    """Of the bytes of a file; empty where it cannot be read."""
+    """SHA-256 of the bytes of a file, in hexadecimal; empty where it cannot be read."""
     try:
         with Path(path).open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()

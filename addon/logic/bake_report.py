@@ -92,11 +92,11 @@ class BakeReport:
 
     @property
     def live_frames(self) -> str:
-        """Those that were compared with the live character."""
+        """Frames that were compared with the live character, as text."""
         return frame_range.text_of(np.array([error.frame for error in self.live_errors]))
 
     def as_dict(self) -> dict[str, Any]:
-        """All of it, for JSON."""
+        """The whole report in types of JSON."""
         return {
             "format": FORMAT,
             **asdict(self),
@@ -110,7 +110,7 @@ class BakeReport:
         }
 
     def as_json(self) -> str:
-        """The same report gives the same text."""
+        """The whole report as JSON; equal reports give equal texts."""
         return json.dumps(self.as_dict(), indent=1) + "\n"
 
     def lines(self) -> list[str]:

@@ -10,7 +10,7 @@ import turgor
 from numpy.typing import NDArray
 
 from . import shells
-from .shown import Anatomy, Flesh
+from .rest_geometry import RestGeometry
 from .weights import BoneWeights
 
 Solver = Literal["simultaneous", "sequential"]
@@ -29,7 +29,7 @@ def bind(
     shape_deltas: NDArray[np.float32],
     object_from_armature: NDArray[np.float64],
 ) -> Body:
-    """Shapes as in the fields of `scene.rest.RestMesh` and `scene.skeleton.RestBones`.
+    """Bind a mesh to its bones. Shapes as in the fields of `scene.rest.RestMesh` and `scene.skeleton.RestBones`.
 
     object_from_armature: (4, 4) at rest. Rigs come at other scales than their meshes, and joints have lengths.
     """
@@ -43,15 +43,14 @@ def bind(
     deltas = shape_deltas if len(shape_deltas) else None
     engine = turgor.VolumeSkin(mesh, skinning, shape_deltas=deltas, object_from_armature=object_from_armature)
     faces, heads = (face_offsets, face_corners), rest_matrices[:, :3, 3]
-    anatomy = Anatomy(positions, *faces, *weights, parents, heads, tails, object_from_armature)
-    return Body(engine, Flesh(anatomy))
+    return Body(engine, RestGeometry(positions, *faces, *weights, parents, heads, tails, object_from_armature))
 
 
 class Body:
     """Keeps the engine of the last settings, swapped as a whole: safe to call from several threads."""
 
-    def __init__(self, engine: turgor.VolumeSkin, flesh: Flesh) -> None:
-        self.flesh = flesh
+    def __init__(self, engine: turgor.VolumeSkin, rest: RestGeometry) -> None:
+        self.rest = rest
         self._unmasked = self._bound = engine
         self._mask: NDArray[np.float32] | None = None
         self._current: tuple[object, turgor.VolumeSkin, NDArray[np.float64]] = (None, engine, self._strengths(()))
@@ -68,7 +67,7 @@ class Body:
 
     @property
     def mesh(self) -> turgor.Mesh:
-        """As bound."""
+        """The mesh that was bound."""
         return self._bound.mesh
 
     @property
@@ -83,7 +82,7 @@ class Body:
 
     @property
     def shells(self) -> shells.Shells:
-        """What its parts are like; worked out anew."""
+        """What its shells are like: closed, open, inside out; worked out anew on each access."""
         return shells.describe(self._bound.mesh)
 
     @property
@@ -92,8 +91,8 @@ class Body:
         return self._mask
 
     def masked(self, mask: NDArray[np.float32] | None) -> Body:
-        """The same binding under another mask, with the settings of the last frame."""
-        made = Body(self._unmasked, self.flesh)
+        """A body with this binding under another mask, and with the settings of the last frame."""
+        made = Body(self._unmasked, self.rest)
         key, engine, strengths = self._current
         if mask is None:
             return made

@@ -31,13 +31,13 @@ class Creases(NamedTuple):
 
 
 def sharpness(creases: NDArray[np.floating]) -> NDArray[np.float64]:
-    """Of creases from 0 to 1, as Blender reads them."""
+    """Sharpness, infinite from 1 on, of creases from 0 to 1 as Blender stores them."""
     found = FULL_SHARPNESS * np.square(np.clip(np.asarray(creases, np.float64), 0.0, 1.0))
     return np.where(found >= FULL_SHARPNESS, np.inf, found)
 
 
 def split_creases(creases: Creases, split: Split, vertex_count: int) -> Creases:
-    """Of the new mesh. vertex_count: before the split."""
+    """Creases of the mesh after a split, one level less sharp. vertex_count: before the split."""
     pairs = np.sort(creases.ends, axis=1)
     places = Edges(split.edge_ends, np.zeros(0, np.intp)).places(pairs)
     middles, is_split = vertex_count + places, places >= 0

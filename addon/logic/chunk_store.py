@@ -88,7 +88,7 @@ class ChunkStore:
         return _mapped(self._paths[number], shape)
 
     def close(self) -> None:
-        """What is there waits for another try."""
+        """Let go of the folder; finished chunks stay for another try."""
         if self._lock is not None:
             self._lock.close()
 

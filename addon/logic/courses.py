@@ -43,13 +43,13 @@ def steering_points(chain: Chain, at: Stations) -> NDArray[np.float64]:
 
 
 def rest_spine(chain: Chain, at: Stations, course: Course) -> turgor.Spine:
-    """Its frames start at the first bone's X axis."""
+    """The spine of a chain at rest; its frames start at the first bone's X axis."""
     method = "spline" if course == "joints" else "b_spline"
     return turgor.Spine(steering_points(chain, at), method, normal=chain.axes[0])
 
 
 def posed_spine(rest: turgor.Spine, chain: Chain, at: Stations) -> turgor.Spine:
-    """The same course on the posed chain."""
+    """The spine of a posed chain, on the course of the spine at rest."""
     return rest.posed(steering_points(chain, at), normal=chain.axes[0])
 
 

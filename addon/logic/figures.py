@@ -51,7 +51,7 @@ def _deviation(volume: float, target: float) -> float:
 
 
 class MotionFigures(NamedTuple):
-    """As `FrameFigures`, of F frames."""
+    """Figures of F frames and J joints, in the units of `FrameFigures`."""
 
     corrected_deviations: NDArray[np.float64]  # (F,)
     skinned_deviations: NDArray[np.float64]  # (F,)
@@ -64,7 +64,7 @@ def motion_figures(
     strengths: NDArray[np.float64],
     target_scales: NDArray[np.float64],
 ) -> MotionFigures:
-    """Of the engine's measures, or of a report as one frame. target_scales: (F,)."""
+    """Figures from the engine's measures of F frames, or from a report as one frame. target_scales: (F,)."""
     kept = (np.atleast_2d(measures.joint_losses) * (1.0 - strengths)).sum(axis=1) * target_scales
     target = _sizes(measures.target_volumes) + kept
     percent = 100.0 / rest_volume if rest_volume > 0.0 else 0.0
@@ -90,7 +90,7 @@ VICINITY_VOLUME = 0.1
 def fold_losses(
     losses: NDArray[np.float64], lengths: NDArray[np.float64], object_from_armature: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """(F, J) as parts of what the engine's `folded_loss_relative` is a part of; 0 where a joint has no extent.
+    """(F, J) losses in the unit of the engine's `folded_loss_relative`; 0 where a joint has no extent.
 
     losses: object space. lengths: (J,), armature space.
     """

@@ -55,7 +55,10 @@ class TargetSkin:
         )
 
     def maps(self, pose_matrices: NDArray[np.floating], object_from_armature: NDArray[np.float64]) -> Maps:
-        """Of one pose, arguments as in `turgor.Skinning.deform`: read off where it takes the origin and the axes."""
+        """Affine maps of all vertices in one pose, read off where skinning takes the origin and the axes.
+
+        Arguments as in `turgor.Skinning.deform`.
+        """
         count = self._skinning.vertex_count
         probes = np.concatenate([np.zeros((1, 3)), np.eye(3)])
         origin, *axes = (

@@ -50,7 +50,7 @@ def reduce(
 
 
 def within_unit(found: LocalKeys) -> LocalKeys:
-    """The same displacements with values from 0 to 1: a key that goes both ways becomes one for each."""
+    """Equal displacements with values from 0 to 1: a key that goes both ways becomes two, one for each way."""
     columns, keys = [], []
     for key, values in zip(found.keys, found.values.T, strict=True):
         for sign in (1.0, -1.0):

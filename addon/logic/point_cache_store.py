@@ -51,15 +51,15 @@ class PointCacheStore:
             self._journal.write(b"\n" if is_known else layout + b"\n")
 
     def beside(self, kind: str) -> ChunkStore:
-        """As of `ChunkStore`."""
+        """A store beside this one, see `ChunkStore.beside`."""
         return self._others.beside(kind)
 
     def may_have(self, number: int) -> bool:
-        """As of `ChunkStore`."""
+        """Whether a chunk of this number may be there, see `ChunkStore.may_have`."""
         return number in self._known or self._others.may_have(number)
 
     def find(self, number: int, fingerprint: str, shape: tuple[int, ...]) -> NDArray[np.float32] | None:
-        """As of `ChunkStore`. Raises whole_file.WriteError, PointCacheError."""
+        """What `ChunkStore.find` returns. Raises whole_file.WriteError, PointCacheError."""
         known, expected = self._known.get(number, ("", 0))
         if known == fingerprint:
             for path in (self.path, self._finished):
@@ -134,7 +134,7 @@ class PointCacheStore:
         return size
 
     def close(self) -> None:
-        """What is there waits for another try."""
+        """Close the files; finished chunks stay for another try."""
         self._syncs.shutdown()
         for file in (self._file, self._journal):
             with suppress(OSError):

@@ -68,7 +68,9 @@ def terms(turns: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def learn(bone: int, turns: NDArray[np.float64], deltas: NDArray[np.float64], least: float) -> Part:
-    """From M poses in which the bone turns alone: `turns` (M, 3), what is then to be added, `deltas` (M, N, 3).
+    """Learn a bone's keys from M poses in which it turns alone.
+
+    turns: (M, 3) of the bone, see `turns.local_turns`. deltas: (M, N, 3) what is to be added to the skin there.
 
     Keys that move some vertex by more than `least`, those that matter most first.
     """
@@ -153,7 +155,7 @@ def _text(coefficients: NDArray[np.float64], digits: int) -> str:
 
 
 def _shortened(coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
-    """As the expression will say it: the value that is learnt with is the value that is driven."""
+    """Coefficients rounded as the driver's expression will write them, so that what is learnt is what is driven."""
     kept = np.where(np.abs(coefficients) < LEAST_TERM * np.abs(coefficients).max(), 0.0, coefficients)
     digits = MOST_DIGITS
     while True:
@@ -164,7 +166,7 @@ def _shortened(coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _number(number: float, digits: int) -> str:
-    """With its sign; a short form of the number."""
+    """A number in short form, with its sign."""
     text = f"{number:+.{digits}g}"
     if "e" in text:
         text = np.format_float_positional(float(text), sign=True, trim="-")

@@ -15,6 +15,8 @@ Table = NDArray[np.float64]
 Tables = tuple[Table, Table, Table]
 # Along the bone, sideways, inside, and by the least displacement.
 Parts = tuple[float, float, float, float]
+# Place of a joint in the list, and whether it is its second set.
+Place = tuple[int, bool]
 
 AUTOMATIC: Parts = (0.0, 0.0, 0.0, 1.0)
 
@@ -26,6 +28,13 @@ class Profiles(NamedTuple):
     source: str  # the preset that Custom came from
     shares: tuple[float, float, float] | None  # None: those of the preset
     tables: Tables | None  # of Custom; None: not drawn yet
+
+
+class Curves(NamedTuple):
+    """Sampled curves of a character's Custom sets that count."""
+
+    tables: dict[Place, Tables]
+    stamps: dict[Place, str]  # changes with the table
 
 
 def preset_tables(preset: str) -> Tables:
@@ -67,7 +76,7 @@ def mixed_parts(first: Parts, second: Parts, part: float) -> Parts:
 
 
 def engine_shares(parts: Parts) -> turgor.presets.Shares:
-    """As `turgor.Joint` takes them."""
+    """The parts of all directions as `turgor.Joint` takes its shares."""
     if parts == AUTOMATIC:
         return "auto"
     return parts if parts[3] > 0.0 else parts[:3]

@@ -66,7 +66,7 @@ def reduce(samples: Samples, tolerance: float, growth: NDArray[np.float64] | Non
 
 
 def within_unit(reduction: Reduction) -> Reduction:
-    """The same displacements with values from 0 to 1, for engines that clamp others: one more key, always at 1."""
+    """Equal displacements with values from 0 to 1, for engines that clamp others: one more key, always at 1."""
     values = reduction.values
     low = np.minimum(values.min(axis=0, initial=0.0), 0.0)
     span = np.maximum(values.max(axis=0, initial=0.0), 0.0) - low

@@ -118,7 +118,7 @@ class _Pieces:
         self.lengths: list[NDArray[np.intp]] = []
 
     def add(self, chosen: NDArray[np.intp], turn: int, polygons: _Polygons) -> None:
-        """The same polygons for each of these faces, which have the same number of corners."""
+        """Cut each of these faces, which have equal numbers of corners, into these polygons."""
         if not len(chosen):
             return
         starts, count = self._faces.offsets[chosen].astype(np.intp), int(self._faces.counts[chosen[0]])

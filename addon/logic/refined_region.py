@@ -43,7 +43,7 @@ def surface(
     creased_vertices: NDArray[np.integer],
     vertex_creases: NDArray[np.floating],
 ) -> Surface:
-    """From arrays as in the fields of `scene.refined_mesh.MeshSurface`."""
+    """A surface from arrays as in the fields of `scene.refined_mesh.MeshSurface`."""
     creases = Creases(
         np.asarray(creased_edges, np.int64),
         sharpness(edge_creases),
@@ -89,12 +89,12 @@ class Region:
 
     @property
     def all_face_count(self) -> int:
-        """Of the mesh as it is."""
+        """Faces of the mesh before it is refined."""
         return len(self.refinement.levels)
 
     @property
     def vertex_count(self) -> int:
-        """Afterwards."""
+        """Vertices of the refined mesh."""
         return self.refinement.vertex_count
 
     @cached_property
@@ -128,3 +128,19 @@ class Region:
         is_new = np.zeros(len(edges.ends), bool)
         is_new[edges.of_corners[made.is_new[made.faces.of_corners]]] = True
         return made, edges.ends[is_new]
+
+
+class MotionNeed(NamedTuple):
+    """What a motion asks for, kept with the character."""
+
+    state: object  # of what it depends on, but for the motion
+    motion: str  # fingerprint of the poses
+    need: Need
+    regions: dict[Options, Region]  # the last that was looked at
+
+    def region(self, options: Options) -> Region:
+        """The region under these options, the same object for the same options."""
+        if options not in self.regions:
+            self.regions.clear()
+            self.regions[options] = Region(self.need, options)
+        return self.regions[options]

@@ -15,7 +15,7 @@ from .refined_faces import Split
 
 
 class Surface(NamedTuple):
-    """What is refined. N vertices, F faces, C corners."""
+    """A mesh that is refined: N vertices, F faces, C corners."""
 
     faces: Faces
     points: NDArray[np.int64]  # (N,) the vertex that stands for each one, where several are at one place
@@ -41,12 +41,12 @@ class Refinement:
 
     @property
     def faces(self) -> Faces:
-        """Afterwards."""
+        """Faces of the refined mesh."""
         return self.splits[-1].after if self.splits else self.surface.faces
 
     @property
     def vertex_count(self) -> int:
-        """Afterwards."""
+        """Vertices of the refined mesh."""
         return self.surface.vertex_count + sum(len(split.edge_ends) + len(split.centred) for split in self.splits)
 
     @property

@@ -22,7 +22,7 @@ class Shells(NamedTuple):
 
 
 def describe(mesh: turgor.Mesh) -> Shells:
-    """Of the mesh as it was bound."""
+    """Count the shells of a bound mesh by what they are like."""
     parts = mesh.components
     sound = [part for part in parts if part.is_sound]
     open_ones = [part for part in sound if part.status == "capped"]

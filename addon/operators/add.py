@@ -51,9 +51,12 @@ class OBJECT_OT_turgor_volume_add(bpy.types.Operator):
         return {"FINISHED"} if added else {"CANCELLED"}
 
 
+CLASSES = (OBJECT_OT_turgor_volume_add,)
+
+
 def _look_over(scene: bpy.types.Scene, ob: bpy.types.Object) -> None:
     """Find the joints that matter, and show the settings of the one that matters most."""
-    if runtime.character(ob.session_uid).body is None:
+    if runtime.character(ob.session_uid).binding is None:
         return
     try:
         measuring.measure(ob, sampling.quick_frames(ob, sampling.scene_frames(scene)))
@@ -74,3 +77,11 @@ def _refusal(ob: bpy.types.Object) -> str | None:
 
 def draw(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
     menu.layout.operator(OBJECT_OT_turgor_volume_add.bl_idname, icon="MOD_ARMATURE")
+
+
+def register() -> None:
+    bpy.types.OBJECT_MT_modifier_add_deform.append(draw)
+
+
+def unregister() -> None:
+    bpy.types.OBJECT_MT_modifier_add_deform.remove(draw)

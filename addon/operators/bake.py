@@ -15,17 +15,16 @@ from turgor import TurgorError
 from .. import runtime
 from ..bake import baking, job, options
 from ..logic import compared_frames, frame_range, whole_file
-from ..messages import message, of_error, translated
+from ..messages import message, translated
 from ..scene import baked_copy, spine_stack, stack
 from .character import character_of
+from .modal import ModalOperator, Progress, Steps
 from .polling import in_edit_mode, is_allowed
 
-# Between two redraws of the window.
-SECONDS_OF_WORK = 0.1
 REFUSALS = (options.BakeError, frame_range.FrameRangeError, whole_file.WriteError, TurgorError, ValueError, OSError)
 
 
-class OBJECT_OT_turgor_bake(bpy.types.Operator):
+class OBJECT_OT_turgor_bake(ModalOperator, bpy.types.Operator):
     bl_idname = "object.turgor_bake"
     bl_label = "Bake"
     bl_description = (
@@ -33,6 +32,9 @@ class OBJECT_OT_turgor_bake(bpy.types.Operator):
         " and the next bake goes on from there"
     )
     bl_options = {"REGISTER", "UNDO"}
+    refusals = REFUSALS
+    seconds_between_steps = 0.01
+    cancelled = message("Bake cancelled; what was computed is kept for the next one")
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -43,85 +45,38 @@ class OBJECT_OT_turgor_bake(bpy.types.Operator):
         running = None if runtime.session.bake is None else message("A bake is running")
         return is_allowed(cls, in_edit_mode(context.mode) or running)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        if not self._begin(context):
-            return {"CANCELLED"}
-        try:
-            with closing(self._steps):
-                for _ in self._steps:
-                    pass
-        except REFUSALS as error:
-            self.report({"ERROR"}, translated(of_error(error), rpt_))
-            return {"CANCELLED"}
-        return self._finish(context)
+    def begin(self, context: bpy.types.Context) -> Steps:
+        self._target = character_of(context)
+        with runtime.quiet():
+            self._job = job.Job(self._target, options_of(self._target, context.scene))
+        self._started = perf_counter()
+        return Steps(quietly(self._job.run()))
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if bpy.app.background or context.window is None:
-            return self.execute(context)
-        if not self._begin(context):
-            return {"CANCELLED"}
-        self._timer = context.window_manager.event_timer_add(0.01, window=context.window)
-        context.window_manager.progress_begin(0, 100)
-        context.window_manager.modal_handler_add(self)
-        self._tell(context, baking.Progress(0.0, "Begins"))
-        return {"RUNNING_MODAL"}
+    def status(self, progress: Progress) -> str:
+        return f"Baking {self._target.name}: {self._text(progress)}  |  Esc: Cancel"
 
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Nothing else is let through: what is baked must not change under way."""
-        if event.type == "ESC" and event.value == "PRESS":
-            self._end(context)
-            self.report({"INFO"}, "Bake cancelled; what was computed is kept for the next one")
-            return {"CANCELLED"}
-        if event.type != "TIMER":
-            return {"RUNNING_MODAL"}
-        until = perf_counter() + SECONDS_OF_WORK
-        try:
-            while perf_counter() < until:
-                progress = next(self._steps, None)
-                if progress is None:
-                    self._end(context)
-                    return self._finish(context)
-                self._tell(context, progress)
-        except REFUSALS as error:
-            self._end(context)
-            self.report({"ERROR"}, translated(of_error(error), rpt_))
-            return {"CANCELLED"}
-        return {"RUNNING_MODAL"}
+    def show(self, context: bpy.types.Context, progress: Progress) -> None:
+        """Show how far the bake has come, in the panel too."""
+        runtime.session.bake = runtime.Bake(progress[0], self._text(progress))
+        super().show(context, progress)
+        _redraw(context)
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """Blender closes the window or the file."""
-        self._end(context)
-
-    def _begin(self, context: bpy.types.Context) -> bool:
-        self._target = character_of(context)
+        """End the bake and all that was shown of it, in the panel too."""
         try:
-            with runtime.quiet():
-                self._job = job.Job(self._target, options_of(self._target, context.scene))
-        except REFUSALS as error:
-            self.report({"ERROR"}, translated(of_error(error), rpt_))
-            return False
-        self._steps: Iterator[baking.Progress] = quietly(self._job.run())
-        self._started = perf_counter()
-        return True
+            super().cancel(context)
+        finally:
+            runtime.session.bake = None
+            _redraw(context)
 
-    def _tell(self, context: bpy.types.Context, progress: baking.Progress) -> None:
-        spent = perf_counter() - self._started
-        left = spent * (1.0 - progress.part) / progress.part if progress.part > 0.0 else None
-        text = progress.text if left is None else f"{progress.text}, {clock(left)} left"
-        runtime.session.bake = runtime.Bake(progress.part, text)
-        context.window_manager.progress_update(int(100 * progress.part))
-        context.workspace.status_text_set(f"Baking {self._target.name}: {text}  |  Esc: Cancel")
-        _redraw(context)
+    def _text(self, progress: Progress) -> str:
+        part, text = progress
+        if part <= 0.0:
+            return text
+        left = (perf_counter() - self._started) * (1.0 - part) / part
+        return f"{text}, {clock(left)} left"
 
-    def _end(self, context: bpy.types.Context) -> None:
-        self._steps.close()
-        runtime.session.bake = None
-        context.window_manager.event_timer_remove(self._timer)
-        context.window_manager.progress_end()
-        context.workspace.status_text_set(None)
-        _redraw(context)
-
-    def _finish(self, context: bpy.types.Context) -> set[str]:
+    def finish(self, context: bpy.types.Context) -> set[str]:
         copy, target = self._job.baked, self._target
         lines = self._job.report.lines()
         for ob, other in ((copy, target), (target, copy)):
@@ -170,8 +125,14 @@ class OBJECT_OT_turgor_bake_remove(bpy.types.Operator):
         return {"FINISHED"}
 
 
+CLASSES = (
+    OBJECT_OT_turgor_bake,
+    OBJECT_OT_turgor_bake_remove,
+)
+
+
 def options_of(target: bpy.types.Object, scene: bpy.types.Scene) -> options.Options:
-    """As its settings say. Raises frame_range.FrameRangeError, options.BakeError."""
+    """Options of a bake from the settings of `target`. Raises frame_range.FrameRangeError, options.BakeError."""
     saved = target.turgor_bake
     if saved.frames.strip():
         frames = frame_range.parse(saved.frames)

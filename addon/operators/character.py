@@ -11,7 +11,10 @@ CONTEXT_MEMBER = "turgor_character"
 
 
 def character_of(context: bpy.types.Context) -> bpy.types.Object | None:
-    """With or without Turgor Volume."""
+    """The mesh that an operator is about, with or without Turgor Volume: that of its panel, else the active object.
+
+    None where that is no mesh.
+    """
     shown = getattr(context, CONTEXT_MEMBER, None)
     ob = context.object if shown is None else shown
     return ob if ob is not None and ob.type == "MESH" else None

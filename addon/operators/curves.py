@@ -30,3 +30,6 @@ class OBJECT_OT_turgor_curves_reset(bpy.types.Operator):
         shown = profiles.shown_set(character_of(context))
         shown.preset = shown.curve_source
         return {"FINISHED"}
+
+
+CLASSES = (OBJECT_OT_turgor_curves_reset,)

@@ -173,3 +173,11 @@ def characters(context: bpy.types.Context) -> list[bpy.types.Object]:
 
 def draw(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
     menu.layout.menu("TURGOR_MT_export")
+
+
+def register() -> None:
+    bpy.types.TOPBAR_MT_file_export.append(draw)
+
+
+def unregister() -> None:
+    bpy.types.TOPBAR_MT_file_export.remove(draw)

@@ -54,3 +54,6 @@ class OBJECT_OT_turgor_volume_fix(bpy.types.Operator):
             self.report({"WARNING"}, translated(of_error(error), rpt_))
             return {"CANCELLED"}
         return {"FINISHED"}
+
+
+CLASSES = (OBJECT_OT_turgor_volume_fix,)

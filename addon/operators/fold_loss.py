@@ -39,3 +39,6 @@ class OBJECT_OT_turgor_fold_loss_measure(bpy.types.Operator):
             return {"CANCELLED"}
         joint.fold_loss = loss
         return {"FINISHED"}
+
+
+CLASSES = (OBJECT_OT_turgor_fold_loss_measure,)

@@ -94,7 +94,7 @@ CLASSES = (
 
 
 def draw(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
-    """In the context menu of the asset browser, for node trees."""
+    """Add an entry to the context menu of the asset browser, for node trees."""
     asset = context.asset
     if asset is not None and asset.id_type == "NODETREE":
         menu.layout.separator()

@@ -47,16 +47,22 @@ class OBJECT_OT_turgor_joint_preset_add(EditsJoints, AddPresetBase, bpy.types.Op
     preset_subdir = SUBDIRECTORY
 
     def add(self, context: bpy.types.Context, filepath: str) -> None:
-        """Blender's base class asks for this in place of its own writing."""
+        """Write the active joint's settings; called by Blender's base class in place of its own writing."""
         with whole_file.written(Path(filepath)) as file:
             file.write(joint_presets.text_of(edited(context)[0]).encode())
 
     def remove(self, context: bpy.types.Context, filepath: str) -> None:
-        """And for this in place of its own removing."""
+        """Delete a preset, if it is the user's own; called by Blender's base class in place of its own removing."""
         if Path(filepath).is_relative_to(SHIPPED):
             self.report({"WARNING"}, "Presets that ship with Turgor stay: remove your own ones")
         else:
             Path(filepath).unlink()
+
+
+CLASSES = (
+    OBJECT_OT_turgor_joint_preset,
+    OBJECT_OT_turgor_joint_preset_add,
+)
 
 
 def register() -> None:

@@ -54,3 +54,6 @@ class OBJECT_OT_turgor_mask_paint(bpy.types.Operator):
         ob.vertex_groups.active = group
         bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
         return {"FINISHED"}
+
+
+CLASSES = (OBJECT_OT_turgor_mask_paint,)

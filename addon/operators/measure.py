@@ -6,6 +6,7 @@ import bpy
 
 from ..live import measuring, sampling
 from .character import character_of
+from .modal import progress_shown
 from .polling import is_allowed, without_volume
 
 
@@ -24,15 +25,15 @@ class OBJECT_OT_turgor_volume_measure(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         frames = sampling.scene_frames(context.scene)
-        window_manager = context.window_manager
-        window_manager.progress_begin(0, max(len(frames), 1))
         try:
-            motion = measuring.measure(character_of(context), frames, tell=window_manager.progress_update)
+            with progress_shown(context, len(frames)) as tell:
+                motion = measuring.measure(character_of(context), frames, tell=tell)
         except ValueError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        finally:
-            window_manager.progress_end()
         if motion.frames is None:
             self.report({"INFO"}, "Nothing moves in these frames: each joint was turned in turn instead")
         return {"FINISHED"}
+
+
+CLASSES = (OBJECT_OT_turgor_volume_measure,)

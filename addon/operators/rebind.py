@@ -22,3 +22,6 @@ class OBJECT_OT_turgor_volume_rebind(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         binding.rebind(context.object, context.scene.frame_current)
         return {"FINISHED"}
+
+
+CLASSES = (OBJECT_OT_turgor_volume_rebind,)

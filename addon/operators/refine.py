@@ -9,6 +9,7 @@ from ..live import refining
 from ..messages import message, of_error, translated
 from ..properties import refine as properties
 from .character import character_of
+from .modal import progress_shown
 from .polling import in_edit_mode, is_allowed, linked, linked_mesh, without_volume
 
 
@@ -36,7 +37,7 @@ class OBJECT_OT_turgor_refine(bpy.types.Operator):
             layout.prop(self, name)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """With what the panel shows."""
+        """Refine with the settings that the panel shows."""
         saved = character_of(context).turgor.refine
         for name in properties.settings():
             if not self.properties.is_property_set(name):
@@ -45,15 +46,12 @@ class OBJECT_OT_turgor_refine(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         ob = character_of(context)
-        window_manager = context.window_manager
-        window_manager.progress_begin(0, len(refining.frames(ob)))
         try:
-            made = refining.refine(ob, refining.options_of(self), window_manager.progress_update)
+            with progress_shown(context, len(refining.frames(ob))) as tell:
+                made = refining.refine(ob, refining.options_of(self), tell)
         except ValueError as error:
             self.report({"ERROR"}, translated(of_error(error), rpt_))
             return {"CANCELLED"}
-        finally:
-            window_manager.progress_end()
         ob.turgor.refine.show_preview = False
         if not made.face_count:
             self.report({"INFO"}, rpt_("No face is refined: nothing there asks for more, or the threshold is too high"))
@@ -69,3 +67,6 @@ class OBJECT_OT_turgor_refine(bpy.types.Operator):
             text = f"{text}; {more.format(count=made.short_count, levels=self.levels)}"
         self.report({"INFO"}, text)
         return {"FINISHED"}
+
+
+CLASSES = (OBJECT_OT_turgor_refine,)

@@ -29,6 +29,9 @@ class OBJECT_OT_turgor_volume_remove(bpy.types.Operator):
         return {"FINISHED"}
 
 
+CLASSES = (OBJECT_OT_turgor_volume_remove,)
+
+
 def _chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
     objects = {context.object, *context.selected_objects} - {None}
     return [ob for ob in objects if ob.library is None and stack.volume_modifier(ob) is not None]

@@ -76,6 +76,13 @@ class OBJECT_OT_turgor_spine_remove(bpy.types.Operator):
         return {"FINISHED"}
 
 
+CLASSES = (
+    OBJECT_OT_turgor_spine_add,
+    OBJECT_OT_turgor_spine_rebind,
+    OBJECT_OT_turgor_spine_remove,
+)
+
+
 def draw(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
     menu.layout.operator(OBJECT_OT_turgor_spine_add.bl_idname, icon="CURVE_BEZCURVE")
 
@@ -97,7 +104,7 @@ def _has_own(operator: type[bpy.types.Operator], context: bpy.types.Context) -> 
 
 
 def _choose_spine(context: bpy.types.Context, body: bpy.types.Object) -> None:
-    """What is selected with the body, else the armature that bends it, else nothing yet."""
+    """Choose as the body's spine what is selected with it, else the armature that bends it, else nothing yet."""
     saved = body.turgor_spine
     saved.version = DATA_VERSION
     others = [ob for ob in (*context.selected_objects, context.object) if ob not in {None, body}]
@@ -110,3 +117,11 @@ def _choose_spine(context: bpy.types.Context, body: bpy.types.Object) -> None:
         saved.source, saved.rig = "BONES", rigs[0]
         chosen = [bone.name for bone in context.selected_pose_bones or () if bone.id_data == rigs[0]]
         saved.first_bone, saved.last_bone = spine_chain.suggest(rigs[0], chosen)
+
+
+def register() -> None:
+    bpy.types.OBJECT_MT_modifier_add_deform.append(draw)
+
+
+def unregister() -> None:
+    bpy.types.OBJECT_MT_modifier_add_deform.remove(draw)

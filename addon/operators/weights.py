@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-import threading
-
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, FloatProperty, IntProperty
-from turgor import CancelledError, TurgorError
+from turgor import TurgorError
 
 from .. import runtime
 from ..live.automatic_weights import Job, Options, WeightError
-from ..messages import of_error, translated
+from ..messages import message
 from ..scene import weight_groups
+from .modal import ModalOperator, Progress, Threaded
 
-REFUSALS = (WeightError, TurgorError)
 
-
-class _Weights:
+class _Weights(ModalOperator):
     """Settings, and a run beside the window: the engine works in a thread, the timer asks how far it is."""
 
     bl_options = {"REGISTER", "UNDO"}
+    refusals = (WeightError, TurgorError)
+    seconds_between_steps = 0.05
+    cancelled = message("Cancelled, weights are as they were")
 
     resolution: IntProperty(
         name="Resolution",
@@ -74,89 +74,32 @@ class _Weights:
         for name in ("resolution", "falloff", "smoothing", "max_influences", "use_symmetry", "keep_locked"):
             layout.prop(self, name)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        try:
-            job = self._job(context)
-            job.run()
-        except REFUSALS as error:
-            return self._refuse(error)
-        return self._finish(context, job)
+    def begin(self, context: bpy.types.Context) -> Threaded:
+        self._job = self._job_of(context)
+        return Threaded(self._job.run)
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if bpy.app.background or context.window is None:
-            return self.execute(context)
-        try:
-            self._running = self._job(context)
-        except REFUSALS as error:
-            return self._refuse(error)
-        self._part, self._is_cancelled, self._error = 0.0, False, None
-        self._thread = threading.Thread(target=self._work, daemon=True)
-        self._timer = context.window_manager.event_timer_add(0.05, window=context.window)
-        context.window_manager.progress_begin(0, 100)
-        context.window_manager.modal_handler_add(self)
-        self._thread.start()
-        return {"RUNNING_MODAL"}
+    def status(self, progress: Progress) -> str:
+        return iface_("Turgor Weights: {percent} %  |  Esc: Cancel").format(percent=int(100 * progress[0]))
 
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Nothing else is let through: what was read must not change under way."""
-        if event.type == "ESC" and event.value == "PRESS":
-            self.cancel(context)
-            self.report({"INFO"}, rpt_("Cancelled, weights are as they were"))
-            return {"CANCELLED"}
-        if event.type != "TIMER":
-            return {"RUNNING_MODAL"}
-        if self._thread.is_alive():
-            context.window_manager.progress_update(int(100 * self._part))
-            text = iface_("Turgor Weights: {percent} %  |  Esc: Cancel").format(percent=int(100 * self._part))
-            context.workspace.status_text_set(text)
-            return {"RUNNING_MODAL"}
-        self._end(context)
-        if self._error is not None:
-            return self._refuse(self._error)
-        return self._finish(context, self._running)
+    def finish(self, context: bpy.types.Context) -> set[str]:
+        with runtime.quiet():
+            self._before_writing()
+            self._job.write()
+        if self._job.fallback_count:
+            text = rpt_("{count} vertices lie in parts that no bone reaches: they follow the nearest part")
+            self.report({"WARNING"}, text.format(count=self._job.fallback_count))
+        return {"FINISHED"}
 
-    def cancel(self, context: bpy.types.Context) -> None:
-        """Also where Blender closes the window or the file."""
-        self._is_cancelled = True
-        self._thread.join()
-        self._end(context)
-
-    def _work(self) -> None:
-        def progress(part: float) -> bool:
-            self._part = part
-            return not self._is_cancelled
-
-        try:
-            self._running.run(progress)
-        except CancelledError:
-            pass
-        except REFUSALS as error:
-            self._error = error
-
-    def _end(self, context: bpy.types.Context) -> None:
-        context.window_manager.event_timer_remove(self._timer)
-        context.window_manager.progress_end()
-        context.workspace.status_text_set(None)
-
-    def _refuse(self, error: Exception) -> set[str]:
-        self.report({"ERROR"}, translated(of_error(error), rpt_))
-        return {"CANCELLED"}
+    def _job_of(self, context: bpy.types.Context) -> Job:
+        """Read the meshes and bones that are weighted. Raises WeightError."""
+        raise NotImplementedError
 
     def _options(self) -> Options:
         return Options(
             self.resolution, self.falloff, self.smoothing, self.max_influences, self.use_symmetry, self.keep_locked
         )
 
-    def _finish(self, context: bpy.types.Context, job: Job) -> set[str]:
-        with runtime.quiet():
-            self._before_writing(context, job)
-            job.write()
-        if job.fallback_count:
-            text = rpt_("{count} vertices lie in parts that no bone reaches: they follow the nearest part")
-            self.report({"WARNING"}, text.format(count=job.fallback_count))
-        return {"FINISHED"}
-
-    def _before_writing(self, context: bpy.types.Context, job: Job) -> None:
+    def _before_writing(self) -> None:
         """What has to stand before there are groups."""
 
 
@@ -178,10 +121,10 @@ class OBJECT_OT_turgor_weights_parent(_Weights, bpy.types.Operator):
             return False
         return True
 
-    def _job(self, context: bpy.types.Context) -> Job:
+    def _job_of(self, context: bpy.types.Context) -> Job:
         return Job(context.object, _meshes(context), self._options())
 
-    def _before_writing(self, context: bpy.types.Context, job: Job) -> None:
+    def _before_writing(self) -> None:
         """Groups, modifier and parent as Blender's own makes them."""
         bpy.ops.object.parent_set(type="ARMATURE_NAME")
 
@@ -205,7 +148,7 @@ class PAINT_OT_turgor_weights(_Weights, bpy.types.Operator):
             return False
         return True
 
-    def _job(self, context: bpy.types.Context) -> Job:
+    def _job_of(self, context: bpy.types.Context) -> Job:
         rig = _rig(context.object)
         deform = set(weight_groups.deform_bone_names(rig))
         return Job(rig, [context.object], self._options(), weight_groups.selected_bone_names(rig) & deform or None)

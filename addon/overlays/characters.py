@@ -7,26 +7,29 @@ from collections.abc import Iterator
 import bpy
 
 from .. import runtime
+from ..properties.saved import volume_settings
+from ..states import VolumeState
 
 # Modes in which the viewport shows the mesh as its modifiers leave it, and no colors of its own.
 MODES = frozenset({"OBJECT", "POSE"})
 
 
-def shown(context: bpy.types.Context) -> Iterator[tuple[bpy.types.Object, runtime.Character]]:
-    """With Turgor Volume and in this viewport: not hidden, and in its local view when it has one."""
+def shown(context: bpy.types.Context) -> Iterator[tuple[bpy.types.Object, VolumeState]]:
+    """Characters that this viewport shows, with their states: not hidden, and in its local view when it has one."""
     space = context.space_data
     if not space.overlay.show_overlays:
         return
     objects = context.view_layer.objects
-    for uid, known in list(runtime.session.characters.items()):
-        ob = runtime.object_of(uid, known, objects)
-        if ob is not None and ob.turgor.version > 0 and ob.visible_in_viewport_get(space):
-            yield ob, known
+    for uid, character in list(runtime.session.characters.items()):
+        ob = runtime.object_of(uid, character, objects)
+        if ob is not None and volume_settings(ob).version > 0 and ob.visible_in_viewport_get(space):
+            yield ob, character
 
 
 def active_joint(ob: bpy.types.Object) -> str:
     """The name of its bone; empty without one."""
-    joints, active = ob.turgor.joints, ob.turgor.active_joint
+    saved = volume_settings(ob)
+    joints, active = saved.joints, saved.active_joint
     return joints[active].name if 0 <= active < len(joints) else ""
 
 

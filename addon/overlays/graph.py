@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import bpy
 import gpu
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 from gpu_extras.batch import batch_for_shader
+from numpy.typing import ArrayLike, NDArray
 
-from .. import runtime
 from ..messages import signed_percent
+from ..states import VolumeState
 from . import text
+
+if TYPE_CHECKING:
+    from ..logic.character_figures import Motion, VolumeFigures
 
 # In widgets.
 HEIGHT, MARGIN, LABELS_WIDTH = 4.0, 1.0, 3.5
@@ -26,8 +30,8 @@ LEAST_RANGE = 0.1
 WHITE = (1.0, 1.0, 1.0)
 
 
-def draw(context: bpy.types.Context, ob: bpy.types.Object, known: runtime.Character) -> None:
-    """In pixels."""
+def draw(context: bpy.types.Context, ob: bpy.types.Object, character: VolumeState) -> None:
+    """Draw the graph of one character along the lower edge of the region, in pixels."""
     free = text.visible_rect(context)
     unit = text.unit()
     frame = text.Rect(free.left + MARGIN * unit, free.bottom + 1.6 * unit, free.right - MARGIN * unit, 0.0)
@@ -35,7 +39,7 @@ def draw(context: bpy.types.Context, ob: bpy.types.Object, known: runtime.Charac
     plot = frame._replace(left=frame.left + LABELS_WIDTH * unit, right=frame.right - 0.5 * unit)
     if plot.right - plot.left < 4.0 * unit or frame.top > free.top - 4.0 * unit:
         return
-    motion = known.motion
+    motion = character.motion
     text.fill(frame._replace(bottom=free.bottom + 0.3 * unit, top=frame.top + 1.3 * unit), BACKGROUND)
     gpu.state.blend_set("ALPHA")
     title = f"{ob.name}  {iface_('Volume')}"
@@ -43,14 +47,20 @@ def draw(context: bpy.types.Context, ob: bpy.types.Object, known: runtime.Charac
         hint = iface_("press Measure Volume over Frames in the Turgor Volume panel")
         text.write(f"{title}: {hint}", plot.left, frame.top + 0.3 * unit, (*WHITE, 1.0))
     else:
-        _draw_motion(context, motion, known, plot)
+        _draw_motion(context, motion, motion.frames, character.figures, plot)
         end = text.write(title, plot.left, frame.top + 0.3 * unit, (*WHITE, 1.0))
         end = text.write(iface_("with Turgor"), end + unit, frame.top + 0.3 * unit, CORRECTED_COLOR)
         text.write(iface_("without Turgor"), end + unit, frame.top + 0.3 * unit, SKINNED_COLOR)
     gpu.state.blend_set("NONE")
 
 
-def _draw_motion(context: bpy.types.Context, motion: runtime.Motion, known: runtime.Character, plot: text.Rect) -> None:
+def _draw_motion(
+    context: bpy.types.Context,
+    motion: Motion,
+    frames: NDArray[np.float64],
+    figures: VolumeFigures | None,
+    plot: text.Rect,
+) -> None:
     scene = context.scene
     first, last = (
         (scene.frame_preview_start, scene.frame_preview_end)
@@ -63,7 +73,7 @@ def _draw_motion(context: bpy.types.Context, motion: runtime.Motion, known: runt
     if high - low < LEAST_RANGE:
         low, high = low - 0.5 * LEAST_RANGE, high + 0.5 * LEAST_RANGE
 
-    def place(frames: Any, percents: Any) -> np.ndarray:
+    def place(frames: ArrayLike, percents: ArrayLike) -> np.ndarray:
         x = plot.left + (np.asarray(frames, float) - first) / (last - first) * (plot.right - plot.left)
         y = plot.bottom + (np.asarray(percents, float) - low) / (high - low) * (plot.top - plot.bottom)
         return np.stack(np.broadcast_arrays(x, y), axis=-1).astype(np.float32)
@@ -72,14 +82,13 @@ def _draw_motion(context: bpy.types.Context, motion: runtime.Motion, known: runt
     _line(place([first, last], 0.0), (*WHITE, 0.5), AXIS_WIDTH)
     if first <= now <= last:
         _line(place(now, [low, high]), (*WHITE, 0.8), AXIS_WIDTH)
-    inside = (motion.frames >= first) & (motion.frames <= last)
+    inside = (frames >= first) & (frames <= last)
     pairs = (
         (motion.skinned_deviations, SKINNED_COLOR, SKINNED_WIDTH),
         (motion.corrected_deviations, CORRECTED_COLOR, CORRECTED_WIDTH),
     )
     for percents, color, width in pairs:
-        _line(place(motion.frames[inside], percents[inside]), color, width)
-    figures = known.figures
+        _line(place(frames[inside], percents[inside]), color, width)
     if figures is not None and first <= now <= last:
         _points(place(now, np.clip([figures.skinned_deviation], low, high)), SKINNED_COLOR)
         _points(place(now, np.clip([figures.corrected_deviation], low, high)), CORRECTED_COLOR)
@@ -87,7 +96,10 @@ def _draw_motion(context: bpy.types.Context, motion: runtime.Motion, known: runt
 
 
 def _label(
-    plot: text.Rect, place: Callable[[Any, Any], np.ndarray], percents: Sequence[float], frames: Sequence[float]
+    plot: text.Rect,
+    place: Callable[[ArrayLike, ArrayLike], np.ndarray],
+    percents: Sequence[float],
+    frames: Sequence[float],
 ) -> None:
     unit, faint = text.unit(), (*WHITE, 0.8)
     first, now, last = frames

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
 import gpu
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 from gpu_extras.batch import batch_for_shader
+from numpy.typing import NDArray
 
 from .. import runtime
 from ..messages import signed_percent
+from ..properties.saved import volume_settings
 from . import text
 from .characters import MODES, active_joint
 from .over_skin import draw_front, over_skin
+
+if TYPE_CHECKING:
+    from ..logic.overlay_frame import Colors, OverlayFrame
 
 # Of the legend, in widgets.
 BAR_WIDTH, BAR_HEIGHT = 9.0, 0.5
@@ -24,10 +29,10 @@ BAR_WIDTH, BAR_HEIGHT = 9.0, 0.5
 class _Drawn(NamedTuple):
     """What is on the graphics card for one character."""
 
-    shown: Any  # logic.shown.Shown
+    frame: OverlayFrame
     key: tuple[object, ...]
-    colors: Any  # logic.shown.Colors
-    triangles: Any
+    colors: Colors
+    triangles: NDArray[np.int32]
     elements: gpu.types.GPUIndexBuf
     batch: gpu.types.GPUBatch
 
@@ -37,21 +42,21 @@ _drawn: dict[int, _Drawn] = {}
 
 
 def draw(context: bpy.types.Context, ob: bpy.types.Object) -> None:
-    """In world space."""
+    """Draw the skin of a character in the colors of its heat map, in world space."""
     drawn = _prepare(ob)
     if drawn is None:
         return
-    with over_skin(context, ob, drawn.shown.flesh.edge_length):
+    with over_skin(context, ob, drawn.frame.rest.edge_length):
         draw_front(drawn.batch, gpu.shader.from_builtin("SMOOTH_COLOR"))
 
 
 def draw_legend(context: bpy.types.Context, ob: bpy.types.Object, x: float, y: float) -> float:
-    """Below a baseline; the next baseline."""
+    """Draw the legend below the baseline `y`, in pixels; returns the next baseline."""
     drawn = _drawn.get(ob.session_uid)
     if drawn is None or not is_wanted(ob):
         return y
     unit, line = text.unit(), text.LINE_HEIGHT * text.unit()
-    display = ob.turgor.display
+    display = volume_settings(ob).display
     title = iface_(display.bl_rna.properties["heat"].enum_items[display.heat].name)
     if display.heat == "WEIGHT":
         title = f"{title}: {active_joint(ob)}"
@@ -68,7 +73,7 @@ def draw_legend(context: bpy.types.Context, ob: bpy.types.Object, x: float, y: f
 
 def is_wanted(ob: bpy.types.Object) -> bool:
     """Whether the object shows a heat map now."""
-    return ob.turgor.display.heat != "NONE" and ob.mode in MODES
+    return volume_settings(ob).display.heat != "NONE" and ob.mode in MODES
 
 
 def keep_only(uids: Collection[int]) -> None:
@@ -83,32 +88,33 @@ def free(ob: bpy.types.Object) -> None:
 
 
 def _prepare(ob: bpy.types.Object) -> _Drawn | None:
-    look = runtime.session.look
-    shown = None if look is None else look(ob)
-    if shown is None:
+    frame = runtime.session.look(ob)
+    if frame is None:
         _drawn.pop(ob.session_uid, None)
         return None
-    display, joint = ob.turgor.display, active_joint(ob)
+    display, joint = volume_settings(ob).display, active_joint(ob)
     world = np.array(ob.matrix_world, np.float64)
     key = (display.heat, joint, display.heat_range, display.opacity, world[:3, :3].tobytes())
     before = _drawn.get(ob.session_uid)
-    if before is not None and before.shown is shown and before.key == key:
+    if before is not None and before.frame is frame and before.key == key:
         return before
-    colors = shown.heat(display.heat, joint, world, display.heat_range, display.opacity)
+    colors = frame.heat(display.heat, joint, world, display.heat_range, display.opacity)
     if colors is None:
         _drawn.pop(ob.session_uid, None)
         return None
-    triangles = shown.flesh.triangles
+    triangles = frame.rest.triangles
     if before is not None and before.triangles is triangles:
         elements = before.elements
     else:
         elements = gpu.types.GPUIndexBuf(type="TRIS", seq=np.ascontiguousarray(triangles))
-    batch = _batch(shown.positions, colors.colors, elements)
-    drawn = _drawn[ob.session_uid] = _Drawn(shown, key, colors, triangles, elements, batch)
+    batch = _batch(frame.positions, colors.colors, elements)
+    drawn = _drawn[ob.session_uid] = _Drawn(frame, key, colors, triangles, elements, batch)
     return drawn
 
 
-def _batch(positions: Any, colors: Any, elements: gpu.types.GPUIndexBuf) -> gpu.types.GPUBatch:
+def _batch(
+    positions: NDArray[np.float32], colors: NDArray[np.float32], elements: gpu.types.GPUIndexBuf
+) -> gpu.types.GPUBatch:
     layout = gpu.types.GPUVertFormat()
     layout.attr_add(id="pos", comp_type="F32", len=3, fetch_mode="FLOAT")
     layout.attr_add(id="color", comp_type="F32", len=4, fetch_mode="FLOAT")
@@ -129,7 +135,7 @@ def _value(context: bpy.types.Context, heat: str, value: float) -> str:
     return bpy.utils.units.to_string(units.system, "LENGTH", value * units.scale_length, precision=3)
 
 
-def _draw_bar(color_map: Any, x: float, y: float, width: float, height: float) -> None:
+def _draw_bar(color_map: NDArray[np.float32], x: float, y: float, width: float, height: float) -> None:
     at = x + np.linspace(0.0, width, len(color_map))
     points = np.zeros((len(at), 2, 2), np.float32)
     points[:, :, 0] = at[:, None]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import bpy
 import gpu
@@ -15,6 +15,9 @@ from .. import runtime
 from . import text
 from .characters import active_joint
 
+if TYPE_CHECKING:
+    from turgor import JointField
+
 NAMES = ("Along the parent", "Hinge", "Inside of the bend")
 # Of Blender's axes in the theme: the colors artists know.
 COLORS = ("axis_x", "axis_y", "axis_z")
@@ -26,7 +29,7 @@ FAINTEST = 0.15
 
 
 def draw(context: bpy.types.Context, ob: bpy.types.Object) -> None:
-    """In world space, over everything."""
+    """Draw the three directions of the active joint as arrows, in world space over everything."""
     field = _field(ob)
     if field is None:
         return
@@ -43,7 +46,7 @@ def draw(context: bpy.types.Context, ob: bpy.types.Object) -> None:
 
 
 def draw_names(context: bpy.types.Context, ob: bpy.types.Object) -> None:
-    """In pixels, at the arrows' tips."""
+    """Write the names of the three directions at the arrows' tips, in pixels."""
     field = _field(ob)
     if field is None:
         return
@@ -62,10 +65,9 @@ def draw_names(context: bpy.types.Context, ob: bpy.types.Object) -> None:
         text.tag(label, left, tip.y - 0.35 * text.size(), color)
 
 
-def _field(ob: bpy.types.Object) -> Any:
-    look = runtime.session.look
-    shown = None if look is None else look(ob)
-    return None if shown is None else shown.joint_field(active_joint(ob))
+def _field(ob: bpy.types.Object) -> JointField | None:
+    frame = runtime.session.look(ob)
+    return None if frame is None else frame.joint_field(active_joint(ob))
 
 
 def _color(axis: int, share: float) -> text.Color:
@@ -74,7 +76,7 @@ def _color(axis: int, share: float) -> text.Color:
     return red, green, blue, 1.0 if axis == 0 else max(float(share), FAINTEST)
 
 
-def _arrow(field: Any, axis: int, world: np.ndarray) -> np.ndarray:
+def _arrow(field: JointField, axis: int, world: np.ndarray) -> np.ndarray:
     """(10, 3) pairs of points of the shaft and the head, world space; the second is the tip."""
     tip, start = field.origin + field.length * field.axes[axis], field.origin
     along = field.length * field.axes[axis]

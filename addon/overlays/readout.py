@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
@@ -10,8 +12,12 @@ from mathutils import Vector
 
 from .. import runtime
 from ..messages import signed_percent
+from ..states import VolumeState
 from . import text
 from .characters import active_joint, is_after
+
+if TYPE_CHECKING:
+    from ..logic.character_figures import JointFigures
 
 # Errors from here on are rounded as roughly as those of plain skinning.
 VISIBLE_PERCENT = 0.005
@@ -19,9 +25,9 @@ VISIBLE_PERCENT = 0.005
 NOTABLE_PART, MOST_JOINTS = 0.1, 12
 
 
-def draw(ob: bpy.types.Object, known: runtime.Character, x: float, y: float) -> float:
-    """One line from a baseline; the next baseline."""
-    figures = known.figures
+def draw(ob: bpy.types.Object, character: VolumeState, x: float, y: float) -> float:
+    """Write the volume error of one character on the baseline `y`, in pixels; returns the next baseline."""
+    figures = character.figures
     if figures is None:
         return y
     corrected = _error(figures.corrected_deviation)
@@ -41,24 +47,21 @@ def draw(ob: bpy.types.Object, known: runtime.Character, x: float, y: float) -> 
     return y - text.LINE_HEIGHT * text.unit()
 
 
-def draw_joints(context: bpy.types.Context, ob: bpy.types.Object, known: runtime.Character) -> None:
-    """At each notable joint what skinning took and Turgor gave back; at the active one always, with its name."""
-    figures, look = known.figures, runtime.session.look
-    shown = None if look is None else look(ob)
-    if figures is None or shown is None:
+def draw_joints(context: bpy.types.Context, ob: bpy.types.Object, character: VolumeState) -> None:
+    """Write at each notable joint what skinning took and Turgor gave back; at the active one always, with its name."""
+    figures, frame = character.figures, runtime.session.look(ob)
+    if figures is None or frame is None:
         return
     active = active_joint(ob)
     taken: list[text.Rect] = []
     for name in _notable(figures.joints, active):
-        origin = shown.joint_origin(name)
+        origin = frame.joint_origin(name)
         place = None if origin is None else _on_screen(context, ob, origin)
         if place is not None:
             _draw_joint(name, figures.joints[name], place, taken, is_active=name == active)
 
 
-def _draw_joint(
-    name: str, joint: runtime.JointFigures, place: Vector, taken: list[text.Rect], *, is_active: bool
-) -> None:
+def _draw_joint(name: str, joint: JointFigures, place: Vector, taken: list[text.Rect], *, is_active: bool) -> None:
     lost, regained = (signed_percent(value, 2) for value in (-joint.lost, joint.regained))
     line = f"{name}  {lost} / {regained}" if is_active else f"{lost} / {regained}"
     width, height = text.width(line), text.size()
@@ -71,7 +74,7 @@ def _draw_joint(
     text.tag(line, wanted.left, wanted.bottom, text.theme_color(emphasised=is_active))
 
 
-def _notable(joints: dict[str, runtime.JointFigures], active: str) -> list[str]:
+def _notable(joints: dict[str, JointFigures], active: str) -> list[str]:
     """The active one first, then by what they took: those that come later give way."""
     names = sorted(joints, key=lambda name: -abs(joints[name].lost))
     least = max(VISIBLE_PERCENT, NOTABLE_PART * abs(joints[names[0]].lost)) if names else 0.0

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
 import gpu
 from gpu_extras.batch import batch_for_shader
 
 from .. import runtime
+from ..properties.saved import volume_settings
 from . import text
 from .characters import MODES
 from .over_skin import draw_front, over_skin
+
+if TYPE_CHECKING:
+    from ..logic.overlay_frame import OverlayFrame
+    from ..logic.refined_region import Region
 
 COLOR, LINE_COLOR = (0.2, 0.65, 1.0, 0.28), (0.05, 0.3, 0.6, 0.9)
 LINE_WIDTH = 1.0
@@ -21,8 +26,8 @@ LINE_WIDTH = 1.0
 class _Drawn(NamedTuple):
     """What is on the graphics card for one character."""
 
-    shown: Any  # logic.shown.Shown
-    region: Any  # logic.refined_region.Region
+    frame: OverlayFrame
+    region: Region
     faces: gpu.types.GPUBatch
     lines: gpu.types.GPUBatch
 
@@ -33,16 +38,16 @@ _drawn: dict[int, _Drawn] = {}
 
 def is_wanted(ob: bpy.types.Object) -> bool:
     """Whether the object shows its preview now."""
-    return ob.turgor.refine.show_preview and ob.mode in MODES
+    return volume_settings(ob).refine.show_preview and ob.mode in MODES
 
 
 def draw(context: bpy.types.Context, ob: bpy.types.Object) -> None:
-    """In world space."""
+    """Draw the faces that would be refined and their new edges, in world space."""
     drawn = _prepare(ob)
     if drawn is None:
         return
     plain, wide = gpu.shader.from_builtin("UNIFORM_COLOR"), gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
-    with over_skin(context, ob, drawn.shown.flesh.edge_length):
+    with over_skin(context, ob, drawn.frame.rest.edge_length):
         plain.uniform_float("color", COLOR)
         draw_front(drawn.faces, plain)
         wide.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
@@ -52,32 +57,30 @@ def draw(context: bpy.types.Context, ob: bpy.types.Object) -> None:
 
 
 def keep_only(uids: Collection[int]) -> None:
-    """Free what belongs to no character any more."""
+    """Drop what is on the graphics card for objects whose session uid is not among `uids`."""
     for uid in [uid for uid in _drawn if uid not in uids]:
         del _drawn[uid]
 
 
 def free(ob: bpy.types.Object) -> None:
-    """None is kept of a character that shows none."""
+    """Drop what is on the graphics card for a character that shows no preview."""
     _drawn.pop(ob.session_uid, None)
 
 
 def _prepare(ob: bpy.types.Object) -> _Drawn | None:
-    look, look_refined = runtime.session.look, runtime.session.look_refined
-    shown = None if look is None else look(ob)
-    region = None if look_refined is None else look_refined(ob)
-    if shown is None or region is None or not len(region.triangles):
+    frame, region = runtime.session.look(ob), runtime.session.look_refined(ob)
+    if frame is None or region is None or not len(region.triangles):
         _drawn.pop(ob.session_uid, None)
         return None
     before = _drawn.get(ob.session_uid)
-    if before is not None and before.shown is shown and before.region is region:
+    if before is not None and before.frame is frame and before.region is region:
         return before
-    positions = shown.positions
+    positions = frame.positions
     faces = batch_for_shader(
         gpu.shader.from_builtin("UNIFORM_COLOR"), "TRIS", {"pos": positions[region.triangles].reshape(-1, 3)}
     )
     lines = batch_for_shader(
         gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR"), "LINES", {"pos": region.lines(positions)}
     )
-    drawn = _drawn[ob.session_uid] = _Drawn(shown, region, faces, lines)
+    drawn = _drawn[ob.session_uid] = _Drawn(frame, region, faces, lines)
     return drawn

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import bpy
 import gpu
@@ -11,6 +12,11 @@ from gpu_extras.batch import batch_for_shader
 from numpy.typing import NDArray
 
 from .. import runtime
+from ..properties.saved import spine_settings
+from ..states import SpineState
+
+if TYPE_CHECKING:
+    from ..logic.sketch import Sketch
 
 REST_COLOR = (0.55, 0.55, 0.6, 0.8)
 SPINE_COLOR = (1.0, 0.62, 0.2, 1.0)
@@ -23,19 +29,23 @@ _handle: Any = None
 
 
 def draw() -> None:
-    """In world space, over the mesh; at once done without a body that wants it."""
-    if not runtime.session.spines or not bpy.context.space_data.overlay.show_overlays:
+    """Draw all spines that a viewport shows, in world space over the mesh; returns at once where none is wanted."""
+    for state in shown(bpy.context):
+        if state.sketch is not None:
+            _draw(state.sketch())
+
+
+def shown(context: bpy.types.Context) -> Iterator[SpineState]:
+    """States of visible bodies whose overlay is on, in a viewport that shows overlays."""
+    if not runtime.session.spines or not context.space_data.overlay.show_overlays:
         return
-    for known in list(runtime.session.spines.values()):
-        sketch = known.sketch
-        if sketch is None:
-            continue
-        ob = bpy.context.view_layer.objects.get(known.name)
-        if ob is not None and ob.turgor_spine.show_overlay and ob.visible_get():
-            _draw(sketch())
+    for uid, state in list(runtime.session.spines.items()):
+        ob = runtime.object_of(uid, state, context.view_layer.objects)
+        if ob is not None and spine_settings(ob).show_overlay and ob.visible_get():
+            yield state
 
 
-def _draw(sketch: Any) -> None:
+def _draw(sketch: Sketch) -> None:
     gpu.state.blend_set("ALPHA")
     try:
         _lines(_segments(sketch.rest), REST_COLOR, LINE_WIDTH)

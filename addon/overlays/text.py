@@ -77,7 +77,7 @@ def first_line(context: bpy.types.Context, rect: Rect) -> tuple[float, float]:
 
 
 def theme_color(*, emphasised: bool = True) -> Color:
-    """Of Blender's texts in the viewport."""
+    """The color of Blender's own texts in the viewport."""
     red, green, blue = bpy.context.preferences.themes[0].view_3d.space.text_hi[:3]
     return red, green, blue, 1.0 if emphasised else 0.8
 

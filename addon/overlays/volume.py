@@ -7,6 +7,7 @@ from typing import Any
 import bpy
 
 from .. import runtime
+from ..properties.saved import volume_settings
 from . import graph, heat, joint_axes, readout, refined, text
 from .characters import shown
 
@@ -14,14 +15,14 @@ _handles: list[Any] = []
 
 
 def draw_in_space() -> None:
-    """In world space, over the mesh."""
+    """Draw heat maps, previews and axes of all characters of the viewport, in world space over the mesh."""
     heat.keep_only(runtime.session.characters)
     refined.keep_only(runtime.session.characters)
     if not runtime.session.characters:
         return
     context = bpy.context
     for ob, _ in shown(context):
-        display = ob.turgor.display
+        display = volume_settings(ob).display
         if heat.is_wanted(ob):
             heat.draw(context, ob)
         else:
@@ -35,18 +36,18 @@ def draw_in_space() -> None:
 
 
 def draw_on_top() -> None:
-    """In pixels of the region."""
+    """Draw texts, legends and the graph of all characters of the viewport, in pixels of the region."""
     if not runtime.session.characters:
         return
     context = bpy.context
     x = y = None
     graphed = None
-    for ob, known in shown(context):
-        if ob.turgor.display.show_graph and (graphed is None or ob == context.object):
-            graphed = ob, known
-        display = ob.turgor.display
+    for ob, character in shown(context):
+        display = volume_settings(ob).display
+        if display.show_graph and (graphed is None or ob == context.object):
+            graphed = ob, character
         if display.show_joint_readout:
-            readout.draw_joints(context, ob, known)
+            readout.draw_joints(context, ob, character)
         if display.show_axes:
             joint_axes.draw_names(context, ob)
         if not display.show_readout and not heat.is_wanted(ob):
@@ -54,7 +55,7 @@ def draw_on_top() -> None:
         if y is None:
             x, y = text.first_line(context, text.visible_rect(context))
         if display.show_readout:
-            y = readout.draw(ob, known, x, y)
+            y = readout.draw(ob, character, x, y)
         y = heat.draw_legend(context, ob, x, y)
     # One graph has place: of the active character, or of the first.
     if graphed is not None:

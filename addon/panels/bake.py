@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from .. import runtime
+from ..properties.saved import bake_settings
 from .modifier_tab import ModifierTab
 from .spine import PARENT_PANEL as SPINE_PANEL
 from .spine import has_spine
@@ -18,12 +19,12 @@ class BakePanel(ModifierTab):
     bl_label = "Bake"
     bl_options = {"DEFAULT_CLOSED"}
 
-    def draw(self, context: bpy.types.Context) -> None:
-        draw_bake(self.layout, context, context.object)
-
 
 class TURGOR_PT_bake(BakePanel, VolumeSubpanel, bpy.types.Panel):
     bl_order = 90
+
+    def draw(self, context: bpy.types.Context) -> None:
+        draw_bake(self.layout, context, context.object)
 
 
 class TURGOR_PT_spine_bake(BakePanel, bpy.types.Panel):
@@ -34,6 +35,9 @@ class TURGOR_PT_spine_bake(BakePanel, bpy.types.Panel):
     def poll(cls, context: bpy.types.Context) -> bool:
         return has_spine(context.object) and not has_volume(context.object)
 
+    def draw(self, context: bpy.types.Context) -> None:
+        draw_bake(self.layout, context, context.object)
+
 
 class TURGOR_PT_baked(ModifierTab, bpy.types.Panel):
     bl_label = "Turgor Bake"
@@ -42,19 +46,27 @@ class TURGOR_PT_baked(ModifierTab, bpy.types.Panel):
     def poll(cls, context: bpy.types.Context) -> bool:
         ob = context.object
         is_live = has_volume(ob) or has_spine(ob)
-        return ob is not None and ob.type == "MESH" and not is_live and bool(ob.turgor_bake.report)
+        return ob is not None and ob.type == "MESH" and not is_live and bool(bake_settings(ob).report)
 
     def draw(self, context: bpy.types.Context) -> None:
         ob = context.object
-        if ob.turgor_bake.other is not None:
-            self.layout.label(text=ob.turgor_bake.other.name, icon="OBJECT_DATA", translate=False)
+        live = bake_settings(ob).other
+        if live is not None:
+            self.layout.label(text=live.name, icon="OBJECT_DATA", translate=False)
         draw_report(self.layout, context, ob)
         self.layout.operator("object.turgor_bake_remove", icon="TRASH")
 
 
+CLASSES = (
+    TURGOR_PT_bake,
+    TURGOR_PT_spine_bake,
+    TURGOR_PT_baked,
+)
+
+
 def draw_bake(layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy.types.Object) -> None:
     """Settings, the button, and what the last bake came to."""
-    saved = ob.turgor_bake
+    saved = bake_settings(ob)
     column = layout.column()
     column.use_property_split, column.use_property_decorate = True, False
     column.prop(saved, "method", text="Method")
@@ -96,5 +108,5 @@ def draw_report(layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy.
     """The last bake, line by line."""
     column = layout.box().column(align=True)
     column.active = False
-    for line in ob.turgor_bake.report.splitlines():
+    for line in bake_settings(ob).report.splitlines():
         draw_wrapped(column, context, line, "NONE")

@@ -12,3 +12,11 @@ def draw(panel: bpy.types.Panel, context: bpy.types.Context) -> None:
         column.use_property_split = True
         column.active = bone.use_deform
         column.prop(bone, "turgor_stiffness")
+
+
+def register() -> None:
+    bpy.types.BONE_PT_deform.append(draw)
+
+
+def unregister() -> None:
+    bpy.types.BONE_PT_deform.remove(draw)

@@ -8,6 +8,7 @@ import bpy
 
 from ..properties.joint import TurgorJoint
 from ..properties.profiles import ProfileSet
+from ..properties.saved import volume_settings
 from .joint import active_joint, edited_settings
 from .volume import VolumeSubpanel
 
@@ -40,8 +41,11 @@ class TURGOR_PT_curves(VolumeSubpanel, bpy.types.Panel):
         draw_curves(self.layout, context.object)
 
 
+CLASSES = (TURGOR_PT_curves,)
+
+
 def draw_curves(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
-    """Of the active joint, both sets and what leads from one to the other."""
+    """Draw the profile curves of the active joint: both sets and what leads from one to the other."""
     joint = active_joint(ob)
     if joint is None:
         return
@@ -82,7 +86,7 @@ def _draw_direction(column: bpy.types.UILayout, profiles: ProfileSet, edited: bp
 
 
 def _draw_set(layout: bpy.types.UILayout, ob: bpy.types.Object, profiles: ProfileSet) -> None:
-    tree = ob.turgor.curves
+    tree = volume_settings(ob).curves
     for index, axis in enumerate(AXES):
         node = None if tree is None else tree.nodes.get(getattr(profiles, axis.curve))
         if node is None:

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from .. import runtime
 from ..properties.fixes import LABELS
+from ..states import AnyState
 from .text import draw_wrapped
+
+if TYPE_CHECKING:
+    from ..logic.finding import Finding
 
 ICONS = {"ERROR": "ERROR", "WARNING": "ERROR", "INFO": "INFO"}
 
 
-def draw_findings(layout: bpy.types.UILayout, context: bpy.types.Context, known: runtime.Character, kind: str) -> None:
+def draw_findings(layout: bpy.types.UILayout, context: bpy.types.Context, state: AnyState, kind: str) -> None:
     """A section of a panel of ours. kind: whose modifier, "VOLUME" or "SPINE"."""
-    findings = known.findings
+    findings = state.findings
     worst = findings[0].severity if findings else ""
     is_off = worst in {"ERROR", "WARNING"}
     # Each has its own memory of being open: what comes up is seen, and what is only good to know stays folded.
@@ -32,7 +37,7 @@ def draw_findings(layout: bpy.types.UILayout, context: bpy.types.Context, known:
         _draw(body, context, finding, kind)
 
 
-def _draw(layout: bpy.types.UILayout, context: bpy.types.Context, finding: runtime.Finding, kind: str) -> None:
+def _draw(layout: bpy.types.UILayout, context: bpy.types.Context, finding: Finding, kind: str) -> None:
     box = layout.box().column()
     text = box.column()
     text.alert = finding.severity == "ERROR"

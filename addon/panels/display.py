@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from .. import runtime
+from ..properties.saved import volume_settings
 from .volume import VolumeSubpanel
 
 
@@ -14,7 +15,7 @@ class TURGOR_PT_display(VolumeSubpanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        display = context.object.turgor.display
+        display = volume_settings(context.object).display
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
@@ -38,8 +39,8 @@ class TURGOR_PT_performance(VolumeSubpanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         ob = context.object
-        known = runtime.session.characters.get(ob.session_uid)
-        timing = None if known is None else known.timing
+        character = runtime.session.characters.get(ob.session_uid)
+        timing = None if character is None else character.timing
         if timing is None:
             self.layout.label(text="Off in the viewport", icon="INFO")
             return
@@ -51,8 +52,14 @@ class TURGOR_PT_performance(VolumeSubpanel, bpy.types.Panel):
         _draw_modifiers(column, ob.evaluated_get(context.view_layer.depsgraph))
 
 
+CLASSES = (
+    TURGOR_PT_display,
+    TURGOR_PT_performance,
+)
+
+
 def _draw_modifiers(column: bpy.types.UILayout, evaluated: bpy.types.Object) -> None:
-    """As Blender measured them, 0 where it did not: not with several in parallel."""
+    """Draw times of modifiers as Blender measured them; it measures none where several run in parallel."""
     ours = runtime.session.find_modifier(evaluated)
     if ours is None:
         return

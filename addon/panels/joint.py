@@ -6,18 +6,20 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..properties.joint import TurgorJoint
+from ..properties.saved import volume_settings
+from ..properties.several import TurgorSeveral
 from .joint_presets import TURGOR_PT_joint_presets
 
 
 def active_joint(ob: bpy.types.Object) -> TurgorJoint | None:
     """The joint chosen in the list."""
-    joints = ob.turgor.joints
-    place = ob.turgor.active_joint
+    saved = volume_settings(ob)
+    joints, place = saved.joints, saved.active_joint
     return joints[place] if 0 <= place < len(joints) else None
 
 
 def draw_joint(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
-    """Of the joint chosen in the list; nothing without one."""
+    """Draw the settings of the joint chosen in the list; nothing without one."""
     joint = active_joint(ob)
     if joint is None:
         return
@@ -33,22 +35,23 @@ def draw_joint(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
     _draw_silence(column, ob, joint)
 
 
-def edited_settings(ob: bpy.types.Object, joint: bpy.types.PropertyGroup) -> tuple[bpy.types.PropertyGroup, str]:
+def edited_settings(ob: bpy.types.Object, joint: TurgorJoint) -> tuple[TurgorJoint | TurgorSeveral, str]:
     """What sliders change, and its title: the active joint, or with others selected all of them.
 
     Joints of a library override are edited one by one: what stands for several is not saved, so not overridden.
     """
-    joints = ob.turgor.joints
+    saved = volume_settings(ob)
+    joints = saved.joints
     flags = [False] * len(joints)
     joints.foreach_get("select", flags)
     others = sum(flags) - joint.select
     if not others or ob.override_library is not None:
         return joint, joint.name
-    return ob.turgor.several, iface_("{name} and {count} more").format(name=joint.name, count=others)
+    return saved.several, iface_("{name} and {count} more").format(name=joint.name, count=others)
 
 
 def _draw_silence(layout: bpy.types.UILayout, ob: bpy.types.Object, joint: TurgorJoint) -> None:
     if joint.mute:
         layout.label(text="Muted: it gives nothing back", icon="INFO")
-    elif not joint.is_solo and any(other.is_solo for other in ob.turgor.joints):
+    elif not joint.is_solo and any(other.is_solo for other in volume_settings(ob).joints):
         layout.label(text="Another joint is solo: it gives nothing back", icon="INFO")

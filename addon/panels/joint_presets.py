@@ -11,3 +11,6 @@ class TURGOR_PT_joint_presets(PresetPanel, bpy.types.Panel):
     preset_subdir = "turgor/joint"
     preset_operator = "object.turgor_joint_preset"
     preset_add_operator = "object.turgor_joint_preset_add"
+
+
+CLASSES = (TURGOR_PT_joint_presets,)

@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 
 from .. import runtime
 from ..messages import signed_percent
+from ..properties.character import TurgorObject
+from ..properties.joint import TurgorJoint
+from ..properties.saved import volume_settings
+
+if TYPE_CHECKING:
+    from ..logic.character_figures import JointFigures
 
 # Losses below this many percent of the rest volume are drawn without emphasis.
 NOTABLE_PERCENT = 0.005
@@ -36,7 +44,7 @@ class TURGOR_UL_joints(bpy.types.UIList):
         context: bpy.types.Context,
         layout: bpy.types.UILayout,
         data: object,
-        item: bpy.types.PropertyGroup,
+        item: TurgorJoint,
         icon: int | None,
         active_data: object,
         active_property: str | None,
@@ -65,7 +73,7 @@ class TURGOR_UL_joints(bpy.types.UIList):
         row.prop(self, "use_all", text="", icon="HIDE_OFF")
 
     def filter_items(
-        self, context: bpy.types.Context, data: bpy.types.AnyType, property: str
+        self, context: bpy.types.Context, data: TurgorObject, property: str
     ) -> tuple[list[int], list[int]]:
         """Joints that matter, of bones that are in the rig now."""
         joints = getattr(data, property)
@@ -73,9 +81,10 @@ class TURGOR_UL_joints(bpy.types.UIList):
         figures = _figures(data.id_data)
         flags = [self.bitflag_filter_item] * count
         if self.filter_name:
-            flags = bpy.types.UI_UL_list.filter_items_by_name(
+            found = bpy.types.UI_UL_list.filter_items_by_name(
                 self.filter_name, self.bitflag_filter_item, joints, reverse=self.use_filter_invert
             )
+            flags = found or flags
         names = [joint.name for joint in joints]
         peaks = [0.0] * count
         joints.foreach_get("peak_loss", peaks)
@@ -112,7 +121,8 @@ def draw_joints(layout: bpy.types.UILayout, context: bpy.types.Context, ob: bpy.
     row = layout.row()
     column = row.column(align=True)
     _draw_header(column, context)
-    column.template_list("TURGOR_UL_joints", "", ob.turgor, "joints", ob.turgor, "active_joint", rows=6)
+    saved = volume_settings(ob)
+    column.template_list("TURGOR_UL_joints", "", saved, "joints", saved, "active_joint", rows=6)
     beside = row.column(align=True)
     beside.separator(factor=HEADER_HEIGHT)
     beside.menu("TURGOR_MT_joints", text="", icon="DOWNARROW_HLT")
@@ -143,6 +153,12 @@ class TURGOR_MT_joints(bpy.types.Menu):
         layout.operator("object.turgor_volume_measure", icon="TIME")
 
 
+CLASSES = (
+    TURGOR_UL_joints,
+    TURGOR_MT_joints,
+)
+
+
 def _draw_header(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     header = layout.row(align=True)
     header.active = False
@@ -163,7 +179,7 @@ def _draw_gap(row: bpy.types.UILayout, width: float) -> None:
     gap.label()
 
 
-def _draw_numbers(cells: list[bpy.types.UILayout], figures: runtime.JointFigures | None) -> None:
+def _draw_numbers(cells: list[bpy.types.UILayout], figures: JointFigures | None) -> None:
     if figures is None:
         cells[-1].label(text="–")
         return
@@ -174,8 +190,8 @@ def _draw_numbers(cells: list[bpy.types.UILayout], figures: runtime.JointFigures
         cell.label(text=text.removesuffix(" %") if len(cells) == 1 else text, translate=False)
 
 
-def _marked(joints: bpy.types.bpy_prop_collection[bpy.types.PropertyGroup], active: int) -> list[bool]:
-    """Those that the artist has taken up, whether they matter or not."""
+def _marked(joints: bpy.types.bpy_prop_collection[TurgorJoint], active: int) -> list[bool]:
+    """Whether the artist has taken up each joint: selected, solo, muted or active."""
     marks = [False] * len(joints)
     for name in ("select", "is_solo", "mute"):
         flags = [False] * len(joints)
@@ -194,7 +210,7 @@ def _places(keys: list[float] | list[str]) -> list[int]:
     return places
 
 
-def _figures(ob: bpy.types.Object) -> dict[str, runtime.JointFigures] | None:
-    known = runtime.session.characters.get(ob.session_uid)
-    figures = None if known is None else known.figures
+def _figures(ob: bpy.types.Object) -> dict[str, JointFigures] | None:
+    character = runtime.session.characters.get(ob.session_uid)
+    figures = None if character is None else character.figures
     return None if figures is None else figures.joints

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from ..properties.saved import volume_settings
 from .volume import VolumeSubpanel
 
 
@@ -19,8 +20,11 @@ class TURGOR_PT_masks(VolumeSubpanel, bpy.types.Panel):
         _draw_group(column, ob, "pin_group")
 
 
+CLASSES = (TURGOR_PT_masks,)
+
+
 def _draw_group(layout: bpy.types.UILayout, ob: bpy.types.Object, setting: str) -> None:
-    saved = ob.turgor
+    saved = volume_settings(ob)
     name = getattr(saved, setting)
     row = layout.row(align=True)
     picker = row.row(align=True)

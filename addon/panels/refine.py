@@ -6,6 +6,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from .. import runtime
+from ..properties.saved import volume_settings
 from .volume import VolumeSubpanel
 
 
@@ -16,7 +17,7 @@ class TURGOR_PT_refine(VolumeSubpanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         ob = context.object
-        saved = ob.turgor.refine
+        saved = volume_settings(ob).refine
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
@@ -29,15 +30,17 @@ class TURGOR_PT_refine(VolumeSubpanel, bpy.types.Panel):
         layout.operator("object.turgor_refine", icon="MOD_SUBSURF")
 
 
+CLASSES = (TURGOR_PT_refine,)
+
+
 def _draw_counts(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
-    look = runtime.session.look_refined
-    region = None if look is None else look(ob)
+    region = runtime.session.look_refined(ob)
     if region is None:
         return
     column = layout.box().column(align=True)
     # Automatic levels look at the denser mesh again.
     afterwards = iface_("{vertices:,} vertices afterwards")
-    if ob.turgor.refine.use_automatic:
+    if volume_settings(ob).refine.use_automatic:
         afterwards = iface_("{vertices:,} vertices or more afterwards")
     lines = (
         iface_("{count:,} of {all:,} faces").format(count=region.face_count, all=region.all_face_count),

@@ -9,7 +9,7 @@ from .before_after import is_after
 from .curves import draw_curves
 from .joint import draw_joint
 from .joints import draw_joints
-from .volume import draw_readout, has_volume, known_of
+from .volume import draw_readout, has_volume, state_of
 
 MODES = frozenset({"OBJECT", "POSE", "PAINT_WEIGHT"})
 
@@ -33,11 +33,14 @@ class TURGOR_PT_sidebar(bpy.types.Panel):
             if number:
                 column.separator()
             column.label(text=ob.name, translate=False, icon="OUTLINER_OB_MESH")
-            draw_readout(column, known_of(ob), is_on=is_after(ob))
+            draw_readout(column, state_of(ob), is_on=is_after(ob))
             draw_joints(column, context, ob)
             draw_joint(column, ob)
             self.layout.context_pointer_set("turgor_character", ob)
             draw_curves(self.layout, ob)
+
+
+CLASSES = (TURGOR_PT_sidebar,)
 
 
 def shown_characters(context: bpy.types.Context) -> list[bpy.types.Object]:
@@ -49,7 +52,10 @@ def shown_characters(context: bpy.types.Context) -> list[bpy.types.Object]:
         return [ob]
     if ob.type != "ARMATURE":
         return []
-    knowns = [(uid, known) for uid, known in list(runtime.session.characters.items()) if known.body is not None]
-    of_rig = [(uid, known) for uid, known in knowns if known.body.rig == ob.session_uid]
-    found = [runtime.object_of(uid, known, bpy.data.objects) for uid, known in of_rig]
-    return [target for target in found if has_volume(target)]
+    of_rig = [
+        (uid, character)
+        for uid, character in list(runtime.session.characters.items())
+        if character.binding is not None and character.binding.rig == ob.session_uid
+    ]
+    found = [runtime.object_of(uid, character, bpy.data.objects) for uid, character in of_rig]
+    return [target for target in found if target is not None and has_volume(target)]

@@ -7,6 +7,9 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from .. import runtime
 from ..messages import signed_percent
+from ..properties.saved import spine_settings
+from ..properties.spine import TurgorSpine
+from ..states import SpineState
 from .diagnostics import draw_findings
 from .modifier_tab import ModifierTab
 from .state import draw_timing
@@ -27,10 +30,10 @@ class TURGOR_PT_spine(ModifierTab, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         ob = context.object
-        known = _known(ob)
-        _draw_readout(self.layout, ob, known)
-        draw_findings(self.layout, context, known, "SPINE")
-        _draw_source(self.layout, ob.turgor_spine)
+        state = _state_of(ob)
+        _draw_readout(self.layout, ob, state)
+        draw_findings(self.layout, context, state, "SPINE")
+        _draw_source(self.layout, spine_settings(ob))
         _draw_flesh(self.layout, ob)
 
 
@@ -45,7 +48,7 @@ class TURGOR_PT_spine_settings(ModifierTab, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         ob = context.object
-        saved = ob.turgor_spine
+        saved = spine_settings(ob)
         column = self.layout.column()
         column.use_property_split = True
         reach = column.column(align=True)
@@ -57,19 +60,25 @@ class TURGOR_PT_spine_settings(ModifierTab, bpy.types.Panel):
         buttons = self.layout.row(align=True)
         buttons.operator("object.turgor_spine_rebind", icon="FILE_REFRESH")
         buttons.operator("object.turgor_spine_remove", text="Remove", icon="X")
-        draw_timing(self.layout, _known(ob))
+        draw_timing(self.layout, _state_of(ob))
+
+
+CLASSES = (
+    TURGOR_PT_spine,
+    TURGOR_PT_spine_settings,
+)
 
 
 def has_spine(ob: bpy.types.Object | None) -> bool:
-    return ob is not None and ob.type == "MESH" and ob.turgor_spine.version > 0
+    return ob is not None and ob.type == "MESH" and spine_settings(ob).version > 0
 
 
-def _known(ob: bpy.types.Object) -> runtime.Character:
-    return runtime.session.spines.get(ob.session_uid, runtime.Character())
+def _state_of(ob: bpy.types.Object) -> SpineState:
+    return runtime.session.spines.get(ob.session_uid, SpineState())
 
 
-def _draw_readout(layout: bpy.types.UILayout, ob: bpy.types.Object, known: runtime.Character) -> None:
-    figures = known.figures
+def _draw_readout(layout: bpy.types.UILayout, ob: bpy.types.Object, state: SpineState) -> None:
+    figures = state.figures
     if figures is None:
         return
     column = layout.box().column(align=True)
@@ -85,8 +94,8 @@ def _draw_readout(layout: bpy.types.UILayout, ob: bpy.types.Object, known: runti
             line.active = False
             error = signed_percent(figures.fleshed_deviation, 4)
             line.label(text=iface_("of the fleshing alone {error}").format(error=error), translate=False)
-    if ob.turgor_spine.show_overlay and known.local_error is not None:
-        found = known.local_error()
+    if spine_settings(ob).show_overlay and state.local_error is not None:
+        found = state.local_error()
         line = column.row()
         line.alignment = "CENTER"
         line.active = False
@@ -94,7 +103,7 @@ def _draw_readout(layout: bpy.types.UILayout, ob: bpy.types.Object, known: runti
         line.label(text=text.format(mean=100 * found.mean, most=100 * found.most), translate=False)
 
 
-def _draw_source(layout: bpy.types.UILayout, saved: bpy.types.PropertyGroup) -> None:
+def _draw_source(layout: bpy.types.UILayout, saved: TurgorSpine) -> None:
     layout.row().prop(saved, "source", expand=True)
     column = layout.column()
     column.use_property_split = True
@@ -114,7 +123,7 @@ def _draw_source(layout: bpy.types.UILayout, saved: bpy.types.PropertyGroup) -> 
 
 
 def _draw_flesh(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
-    saved = ob.turgor_spine
+    saved = spine_settings(ob)
     column = layout.column()
     column.use_property_split = True
     column.prop(saved, "kind")

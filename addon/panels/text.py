@@ -14,7 +14,7 @@ CHARACTER_WIDTH = 6.4
 
 
 def draw_wrapped(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str) -> None:
-    """As many lines as the panel's width needs, the icon before the first; in the artist's language."""
+    """Draw a text in the artist's language, wrapped to the panel's width, with an icon before its first line."""
     width = context.region.width / (CHARACTER_WIDTH * context.preferences.system.ui_scale)
     column = layout.column(align=True)
     for number, line in enumerate(textwrap.wrap(translated(text, iface_), max(int(width) - 8, 20))):

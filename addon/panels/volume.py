@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from .. import runtime
 from ..messages import signed_percent
+from ..properties.saved import volume_settings
+from ..states import VolumeState
 from .before_after import draw_before_after, is_after
 from .diagnostics import draw_findings
 from .joint import draw_joint
 from .joints import draw_joints
 from .modifier_tab import ModifierTab
+
+if TYPE_CHECKING:
+    from ..logic.character_figures import Folds
 
 PARENT_PANEL = "TURGOR_PT_volume"
 # An error from here on is rounded as roughly as that of plain skinning.
@@ -34,16 +41,16 @@ class TURGOR_PT_volume(ModifierTab, bpy.types.Panel):
         if not has_volume(ob):
             self.layout.operator("object.turgor_volume_add", text="Add Turgor Volume", icon="ADD")
             return
-        known = known_of(ob)
+        character = state_of(ob)
         draw_before_after(self.layout, ob)
-        draw_readout(self.layout, known, is_on=is_after(ob))
-        draw_findings(self.layout, context, known, "VOLUME")
+        draw_readout(self.layout, character, is_on=is_after(ob))
+        draw_findings(self.layout, context, character, "VOLUME")
         draw_joints(self.layout, context, ob)
         draw_joint(self.layout, ob)
 
 
 class VolumeSubpanel(ModifierTab):
-    """Below Turgor Volume, once a mesh has it."""
+    """A panel below Turgor Volume, shown once a mesh has it."""
 
     bl_parent_id = PARENT_PANEL
 
@@ -52,35 +59,22 @@ class VolumeSubpanel(ModifierTab):
         return has_volume(context.object)
 
 
-class TURGOR_PT_settings(VolumeSubpanel, bpy.types.Panel):
-    bl_label = "Settings"
-
-    def draw(self, context: bpy.types.Context) -> None:
-        ob = context.object
-        column = self.layout.column()
-        column.use_property_split = True
-        column.prop(ob.turgor, "target_volume")
-        column.prop(ob.turgor, "keep_bone_scale")
-        column.prop(ob.turgor, "solver")
-        column.prop(ob.turgor, "repair_folds")
-        buttons = self.layout.row(align=True)
-        buttons.operator("object.turgor_volume_rebind", icon="FILE_REFRESH")
-        buttons.operator("object.turgor_volume_remove", text="Remove", icon="X")
+CLASSES = (TURGOR_PT_volume,)
 
 
 def has_volume(ob: bpy.types.Object | None) -> bool:
     """Whether the object was given Turgor Volume: settings are stamped then."""
-    return ob is not None and ob.type == "MESH" and ob.turgor.version > 0
+    return ob is not None and ob.type == "MESH" and volume_settings(ob).version > 0
 
 
-def known_of(ob: bpy.types.Object) -> runtime.Character:
-    """What is known of the character in this session; nothing when it was never bound."""
-    return runtime.session.characters.get(ob.session_uid, runtime.Character())
+def state_of(ob: bpy.types.Object) -> VolumeState:
+    """The state of a character in this session; an empty one when it was never bound."""
+    return runtime.session.characters.get(ob.session_uid, VolumeState())
 
 
-def draw_readout(layout: bpy.types.UILayout, known: runtime.Character, *, is_on: bool) -> None:
+def draw_readout(layout: bpy.types.UILayout, character: VolumeState, *, is_on: bool) -> None:
     """The volume error of the mesh that is shown; on the second line without Turgor, or with it where it is off."""
-    figures = known.figures
+    figures = character.figures
     if figures is None:
         return
     corrected = volume_error(figures.corrected_deviation)
@@ -104,11 +98,11 @@ def draw_readout(layout: bpy.types.UILayout, known: runtime.Character, *, is_on:
 
 
 def volume_error(percent: float) -> str:
-    """With more digits where it is next to nothing."""
+    """A volume error as text, with more digits where it is next to nothing."""
     return signed_percent(percent, 2 if abs(percent) >= VISIBLE_PERCENT else 4)
 
 
-def _folds_text(folds: runtime.Folds) -> str:
+def _folds_text(folds: Folds) -> str:
     if not folds.found_count:
         return iface_("No folds")
     text = iface_("Folds: {found:,}, left: {left:,}, vertices held: {blocked:,}")

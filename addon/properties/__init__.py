@@ -3,7 +3,6 @@
 import bpy
 from bpy.props import PointerProperty
 
-from . import bone
 from .bake import TurgorBake
 from .carrier import TurgorCarrier
 from .character import TurgorObject
@@ -32,18 +31,12 @@ CLASSES = (
 
 
 def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
     bpy.types.Object.turgor = PointerProperty(type=TurgorObject, override=OVERRIDABLE)
     bpy.types.Object.turgor_spine = PointerProperty(type=TurgorSpine, override=OVERRIDABLE)
     bpy.types.Object.turgor_bake = PointerProperty(type=TurgorBake, override=OVERRIDABLE)
-    bone.register()
 
 
 def unregister() -> None:
-    bone.unregister()
     del bpy.types.Object.turgor_bake
     del bpy.types.Object.turgor_spine
     del bpy.types.Object.turgor
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)

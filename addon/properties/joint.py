@@ -12,6 +12,8 @@ BLENDS = (
     ("VALUE", "Value", "From the first set to the second by a value, which can be animated"),
     ("LOSS", "Volume Lost", "From the first set to the second as the joint loses volume: a bulge turns into folds"),
 )
+# By the number that Blender stores.
+BLEND_NAMES = tuple(name for name, *_ in BLENDS)
 
 SETS = (
     ("FIRST", "First", "Show the first set of profile curves"),

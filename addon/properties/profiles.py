@@ -24,7 +24,7 @@ class ProfileHooks:
 
     @staticmethod
     def ignore(profiles: "ProfileSet") -> None:
-        """Before that, and after."""
+        """Nothing follows, while the add-on does not run."""
 
     on_preset = on_shown = on_symmetry = on_manual_shares = ignore
 

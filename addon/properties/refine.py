@@ -54,7 +54,7 @@ def settings() -> dict[str, Any]:
 
 
 def ignore_preview(ob: bpy.types.Object) -> None:
-    """While the extension is off."""
+    """Nothing is previewed while the extension is off."""
 
 
 class TurgorRefine(bpy.types.PropertyGroup):

@@ -12,7 +12,7 @@ from . import rest
 def make(
     target: bpy.types.Object, end: bpy.types.Modifier, frame: int, removed: Sequence[bpy.types.Modifier], name: str
 ) -> bpy.types.Object:
-    """In the collections of `target`.
+    """A copy of `target` to bake into, in the same collections.
 
     end: modifiers before it are applied, as they are at `frame`. removed: go without a trace.
     """
@@ -37,7 +37,7 @@ def make(
 
 
 def discard(copy: bpy.types.Object) -> None:
-    """With its mesh and the action of its keys."""
+    """Delete a baked copy with its mesh and the action of its keys."""
     mesh = copy.data
     keys = mesh.shape_keys
     action = None if keys is None or keys.animation_data is None else keys.animation_data.action

@@ -10,7 +10,7 @@ class ChoiceError(ValueError):
 
 
 def active_bone_name(rig: bpy.types.Object) -> str:
-    """Of the armature's active bone; empty without one."""
+    """Name of the armature's active bone; empty without one."""
     bone = rig.data.bones.active
     return "" if bone is None else bone.name
 
@@ -33,6 +33,6 @@ def choose_bone(context: bpy.types.Context, rig: bpy.types.Object, name: str) ->
 
 
 def _select(pose_bone: bpy.types.PoseBone, is_selected: bool) -> None:
-    """From Blender 5.0 on poses of one armature have selections of their own."""
+    """Select or deselect a bone of a pose; from Blender 5.0 on each pose of an armature has its own selection."""
     holder = pose_bone if hasattr(pose_bone, "select") else pose_bone.bone
     holder.select = is_selected

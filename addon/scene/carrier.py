@@ -84,7 +84,7 @@ def resize(carrier: bpy.types.Object, vertex_count: int) -> None:
 
 
 def remove(carrier: bpy.types.Object) -> None:
-    """With its mesh."""
+    """Delete a carrier with its mesh."""
     mesh = carrier.turgor.carrier.mesh
     bpy.data.objects.remove(carrier)
     if mesh is not None and mesh.users == 0:

@@ -55,7 +55,7 @@ def draw(mapping: bpy.types.CurveMapping, table: NDArray[np.float64]) -> None:
 
 
 def copy(source: bpy.types.CurveMapping, mapping: bpy.types.CurveMapping) -> None:
-    """The same points with the same handles."""
+    """Give `mapping` the points, handles and limits of `source`."""
     handles = [point.handle_type for point in source.curves[0].points]
     _write_points(mapping.curves[0], tuple(tuple(point.location) for point in source.curves[0].points), handles)
     mapping.extend, mapping.use_clip = source.extend, source.use_clip

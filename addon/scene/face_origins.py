@@ -12,7 +12,10 @@ _ATTRIBUTE = "Turgor Face"
 
 
 def face_origins(ob: bpy.types.Object, end: bpy.types.Modifier, frame: int) -> NDArray[np.int32]:
-    """Of each face of the stack before `end`, as `rest.read_rest` has them; -1 for one that is from nowhere."""
+    """(F,) the mesh's face from which each face before the modifier `end` comes, in the order of `rest.read_rest`.
+
+    -1 for a face that comes from none. frame: at which the stack is evaluated.
+    """
     count = len(ob.data.polygons)
     if not any(stack.modifiers_before(ob, end)):
         return np.arange(count, dtype=np.int32)

@@ -29,7 +29,7 @@ def read_frame(target: bpy.types.Object) -> FrameInputs:
 
 
 def read_inputs(target: bpy.types.Object, rig: bpy.types.Object) -> FrameInputs:
-    """Both evaluated."""
+    """Read what one frame is made of; `target` and `rig` must be evaluated copies."""
     return FrameInputs(read_pose(rig), placement.object_from_armature(target, rig), shape_keys.read_values(target))
 
 

@@ -36,7 +36,7 @@ class Live(NamedTuple):
 
 
 class Difference(NamedTuple):
-    """Of a file from the live meshes, the largest over all frames."""
+    """How far an imported file is from the live meshes, at most over all frames."""
 
     max_error_relative: float  # of any vertex to the nearest, part of the size
     volume_error_relative: float
@@ -47,12 +47,15 @@ class ImportedError(ValueError):
 
 
 def live(ob: bpy.types.Object, frames: Sequence[int]) -> Live:
-    """As it is evaluated."""
+    """Names and evaluated shapes of a live object at these frames."""
     return Live(frozenset((ob.name, ob.data.name)), shapes(ob, frames))
 
 
 def shapes(ob: bpy.types.Object, frames: Sequence[int]) -> list[Shape]:
-    """Of the evaluated mesh. Triangles are those of the original mesh where it has the same faces."""
+    """Evaluated shapes of an object at these frames.
+
+    Triangles are those of the original mesh where it has the same faces.
+    """
     scene, found = bpy.context.scene, []
     corners: NDArray[np.int32] | None = None
     for frame in frames:
@@ -166,7 +169,7 @@ def _difference(ob: bpy.types.Object, expected: Sequence[Shape]) -> Difference:
 
 
 def _farthest(points: NDArray[np.float64], others: NDArray[np.float64]) -> float:
-    """From any point to the nearest of the others: files reorder vertices and split them at seams."""
+    """Largest distance from a point to the nearest of the others: files reorder vertices and split them at seams."""
     tree = KDTree(len(others))
     for place, other in enumerate(others):
         tree.insert(other, place)

@@ -25,7 +25,7 @@ def create(name: str, text: str, picture: NDArray[np.float32] | None) -> bpy.typ
 
 
 def text_of(filepath: str, name: str) -> str | None:
-    """Of the asset in another file, or in this one where `filepath` is empty; None when it is not one of ours.
+    """The preset that an asset holds; None when it is not one of ours. filepath: empty for an asset of this file.
 
     Raises OSError for a file that cannot be read.
     """

@@ -25,12 +25,12 @@ def move_below_armature(
 
 
 def move_after(ob: bpy.types.Object, modifier: bpy.types.Modifier, ours: bpy.types.Modifier) -> None:
-    """Right after ours; nothing happens where it stands later already."""
+    """Move a modifier right after ours; nothing happens where it stands later already."""
     modifiers = list(ob.modifiers)
     if modifiers.index(modifier) < modifiers.index(ours):
         _move(ob, modifiers.index(modifier), modifiers.index(ours))
 
 
 def _move(ob: bpy.types.Object, place: int, before: int) -> None:
-    """From `place` to right after what stands at `before`."""
+    """Move the modifier at `place` to right after the one that stands at `before`."""
     ob.modifiers.move(place, before if place < before else before + 1)

@@ -50,7 +50,7 @@ def evaluated_apart(target: bpy.types.Object, frames: Iterable[float]) -> Iterat
 def evaluated_after(
     target: bpy.types.Object, frames: Iterable[float], rig: bpy.types.Object | None, sources: Iterable[drivers.Source]
 ) -> Iterator[bpy.types.Object]:
-    """As `evaluated_apart`, with all bones of `rig` and what `sources` name evaluated."""
+    """The object evaluated at each frame like by `evaluated_apart`, with all bones of `rig` and what `sources` name."""
     needed = list(sources)
     roots = [target, *(source.owner for source in needed)]
     scene_drivers.check(bpy.context.scene, roots if rig is None else [rig, *roots])

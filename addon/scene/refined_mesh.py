@@ -68,7 +68,7 @@ class NewFaces(NamedTuple):
 
 
 def read_surface(mesh: bpy.types.Mesh) -> MeshSurface:
-    """Of the mesh as it is stored, without modifiers."""
+    """Read the surface of the mesh as it is stored, without modifiers."""
     positions, offsets, corners, points = mesh_selection.read_welded(mesh)
     ends = np.empty((len(mesh.edges), 2), np.int32)
     if len(ends):

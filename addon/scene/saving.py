@@ -18,7 +18,7 @@ def check(path: Path | None) -> None:
 
 
 def save_copy(path: Path) -> None:
-    """Paths within the file are remapped. Raises OSError."""
+    """Save the open file as a copy at `path`; paths within it are remapped. Raises OSError."""
     path.parent.mkdir(parents=True, exist_ok=True)
     try:
         bpy.ops.wm.save_as_mainfile(filepath=str(path.absolute()), copy=True, check_existing=False)
@@ -27,6 +27,6 @@ def save_copy(path: Path) -> None:
 
 
 def hide(ob: bpy.types.Object) -> None:
-    """In viewports and renders, where the object is not linked."""
+    """Hide the object in viewports and renders, where it is not linked."""
     if ob.library is None:
         ob.hide_viewport = ob.hide_render = True

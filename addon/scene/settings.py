@@ -9,12 +9,12 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-# Blend modes by their number in `properties.joint.BLENDS`.
-NO_BLEND, BLEND_BY_VALUE, BLEND_BY_LOSS = range(3)
-
 
 class JointArrays(NamedTuple):
-    """J joints in saved order; presets by their number in `properties.profiles.PRESETS`."""
+    """J joints in saved order.
+
+    Presets by their number in `properties.profiles.PRESETS`, blend modes in `properties.joint.BLENDS`: 0 is no blend.
+    """
 
     presets: NDArray[np.int32]  # (J,)
     curve_sources: NDArray[np.int32]  # (J,)
@@ -66,7 +66,7 @@ class BodySettings(NamedTuple):
 
 
 def read_settings(target: bpy.types.Object) -> BodySettings:
-    """From the original or, for animated values, from the evaluated character."""
+    """Read all settings of a character: of the original or, for animated values, of its evaluated copy."""
     saved = target.turgor
     joints = saved.joints
     count = len(joints)
@@ -79,7 +79,7 @@ def read_settings(target: bpy.types.Object) -> BodySettings:
 
 
 def may_move(target: bpy.types.Object) -> bool:
-    """Whether keyframes or drivers of the object may change them from frame to frame."""
+    """Whether keyframes or drivers of the object may change its settings from frame to frame."""
     animation = target.animation_data
     if animation is None:
         return False
@@ -117,5 +117,5 @@ def rename_groups(target: bpy.types.Object, before: Sequence[str], after: Sequen
 
 
 def joint_names(target: bpy.types.Object) -> tuple[str, ...]:
-    """In the order of `JointArrays`."""
+    """Names of the joints' bones, in the order of `JointArrays`."""
     return tuple(joint.name for joint in target.turgor.joints)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 
 def chain_names(rig: bpy.types.Object, first: str, last: str) -> tuple[str, ...] | None:
-    """From `first` to its descendant `last`; None when they are no chain."""
+    """Names of the bones from `first` to its descendant `last`; None when they are no chain."""
     bones = rig.data.bones
     if first not in bones or last not in bones:
         return None
@@ -72,7 +72,7 @@ def read_rest(rig: bpy.types.Object, names: tuple[str, ...]) -> tuple[NDArray[np
 
 
 def read_posed(rig: bpy.types.Object, names: tuple[str, ...]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """As `read_rest`, of an evaluated armature."""
+    """What `read_rest` reads, in the pose of an evaluated armature."""
     bones = [rig.pose.bones[name] for name in names]
     segments = [_segments(rig, bone.name, is_rest=False) for bone in bones]
     matrices = [np.array(bone.matrix, np.float64) @ m for bone, ms in zip(bones, segments, strict=True) for m in ms]

@@ -30,11 +30,11 @@ class SplinePoints(NamedTuple):
     use_bezier: bool
 
     def plain(self) -> tuple[object, ...]:
-        """Hashable."""
+        """All fields in a form that can be compared and hashed."""
         return tuple(part.tobytes() if isinstance(part, np.ndarray) else part for part in self)
 
     def moved(self, matrix: NDArray[np.float64]) -> SplinePoints:
-        """In another space."""
+        """The same control points in another space. matrix: (4, 4), from the points' own."""
         points, left, right = (p @ matrix[:3, :3].T + matrix[:3, 3] for p in (self.points, self.left, self.right))
         return self._replace(points=points, left=left, right=right)
 

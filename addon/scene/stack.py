@@ -51,7 +51,7 @@ def add_own_modifier(
 
 
 def volume_modifier(ob: bpy.types.Object) -> bpy.types.NodesModifier | None:
-    """Turgor Volume."""
+    """The modifier Turgor Volume of an object, None where it has none."""
     return own_modifier(ob, node_group.VOLUME)
 
 
@@ -73,12 +73,12 @@ def armature_modifier(ob: bpy.types.Object) -> bpy.types.ArmatureModifier | None
 
 
 def is_on(modifier: bpy.types.Modifier) -> bool:
-    """In the viewport or in renders."""
+    """Whether a modifier is on in the viewport or in renders."""
     return modifier.show_viewport or modifier.show_render
 
 
 def modifiers_before(ob: bpy.types.Object, modifier: bpy.types.Modifier) -> Iterator[bpy.types.Modifier]:
-    """Those that change the mesh in the viewport or in renders."""
+    """Modifiers before this one that change the mesh in the viewport or in renders."""
     for earlier in ob.modifiers:
         if earlier == modifier:
             return
@@ -87,7 +87,7 @@ def modifiers_before(ob: bpy.types.Object, modifier: bpy.types.Modifier) -> Iter
 
 
 def later_armatures(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> Iterator[bpy.types.ArmatureModifier]:
-    """Those after `armature` that are on in the viewport or in renders."""
+    """Armature modifiers after `armature` that are on in the viewport or in renders."""
     modifiers = list(ob.modifiers)
     for later in modifiers[modifiers.index(armature) + 1 :]:
         if later.type == "ARMATURE" and is_on(later):
@@ -95,7 +95,7 @@ def later_armatures(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) 
 
 
 def moves(modifier: bpy.types.Modifier) -> bool:
-    """Whether it makes a mesh that may be another on every frame."""
+    """Whether a modifier makes a mesh that may be another on every frame."""
     if modifier.type in MOVING_TYPES:
         return True
     if modifier.type == "MASK":
@@ -104,7 +104,7 @@ def moves(modifier: bpy.types.Modifier) -> bool:
 
 
 def has_node(tree: bpy.types.NodeTree | None, kinds: frozenset[str]) -> bool:
-    """In the tree or in a group within."""
+    """Whether a node of one of these kinds is in the tree or in a group within."""
     if tree is None:
         return False
     return any(node.bl_idname in kinds or has_node(getattr(node, "node_tree", None), kinds) for node in tree.nodes)

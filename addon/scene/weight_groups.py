@@ -107,7 +107,7 @@ def deform_bone_names(rig: bpy.types.Object) -> tuple[str, ...]:
 
 
 def selected_bone_names(rig: bpy.types.Object) -> set[str]:
-    """From Blender 5.0 on poses of one armature have selections of their own."""
+    """Names of the selected bones; from Blender 5.0 on each pose of an armature has its own selection."""
     return {
         pose_bone.name
         for pose_bone in rig.pose.bones

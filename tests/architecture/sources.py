@@ -21,11 +21,18 @@ def python_files(folder: str) -> list[Path]:
     return [path for path in tracked_files() if path.suffix == ".py" and path.is_relative_to(REPOSITORY / folder)]
 
 
-def imported_modules(path: Path) -> set[str]:
-    """Dotted names a file imports; `from a import b` gives both a and a.b; relative ones are made absolute."""
+def imported_modules(path: Path, *, with_types: bool = True) -> set[str]:
+    """Dotted names a file imports; `from a import b` gives both a and a.b; relative ones are made absolute.
+
+    with_types: also what is imported under `if TYPE_CHECKING`, where nothing is run.
+    """
     package = list(path.relative_to(REPOSITORY).parent.parts)
     modules: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for_types = {child for node in ast.walk(tree) if _is_type_checking(node) for child in ast.walk(node)}
+    for node in ast.walk(tree):
+        if node in for_types and not with_types:
+            continue
         if isinstance(node, ast.Import):
             modules.update(alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -34,3 +41,7 @@ def imported_modules(path: Path) -> set[str]:
             modules.add(module)
             modules.update(f"{module}.{alias.name}" for alias in node.names)
     return modules
+
+
+def _is_type_checking(node: ast.AST) -> bool:
+    return isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"

@@ -10,7 +10,7 @@ from sources import REPOSITORY, imported_modules, python_files
 BLENDER = {"bpy", "bmesh", "mathutils", "gpu", "gpu_extras", "blf", "bl_ui", "bpy_extras", "addon_utils"}
 
 # Part of the extension -> the parts it may import besides itself. A part is a module or package directly in addon/.
-JOINING = {"logic", "scene", "properties", "runtime", "messages"}
+JOINING = {"logic", "scene", "properties", "states", "runtime", "messages"}
 ALLOWED_PARTS = {
     "messages": set(),
     "translations": set(),
@@ -18,9 +18,10 @@ ALLOWED_PARTS = {
     "logic": {"messages"},
     "scene": {"messages"},
     "properties": set(),
-    "runtime": set(),
-    "panels": {"properties", "runtime", "messages"},
-    "overlays": {"properties", "runtime", "messages"},
+    "states": {"logic", "scene"},
+    "runtime": {"logic", "states"},
+    "panels": {"properties", "runtime", "states", "messages"},
+    "overlays": {"properties", "runtime", "states", "messages"},
     "migrations": {"properties", "scene"},
     "live": JOINING,
     "handlers": JOINING | {"live", "migrations"},
@@ -31,6 +32,8 @@ ALLOWED_PARTS = {
     "__init__": {"registration", "panels"},
 }
 ALLOWED_PARTS["registration"] = ALLOWED_PARTS.keys() - {"__init__"}
+# What these parts may import besides where it only names types: they draw, they never compute.
+TYPES_ONLY = {"panels": {"logic"}, "overlays": {"logic"}}
 
 
 def part_of(path: Path) -> str:
@@ -41,6 +44,12 @@ def part_of(path: Path) -> str:
 def roots(modules: set[str]) -> set[str]:
     """First names of dotted names."""
     return {module.partition(".")[0] for module in modules}
+
+
+def imported_parts(path: Path, *, with_types: bool) -> set[str]:
+    """Parts of the extension that a file imports; with_types: also those under `if TYPE_CHECKING`."""
+    modules = imported_modules(path, with_types=with_types)
+    return {module.split(".")[1] for module in modules if module.startswith("addon.")} & ALLOWED_PARTS.keys()
 
 
 def addon_files() -> list[Path]:
@@ -58,8 +67,8 @@ def test_every_part_of_the_extension_has_a_rule():
 @pytest.mark.parametrize("path", addon_files(), ids=name_of)
 def test_part_imports_only_what_it_may(path: Path):
     own = part_of(path)
-    parts = {module.split(".")[1] for module in imported_modules(path) if module.startswith("addon.")}
-    assert parts & ALLOWED_PARTS.keys() <= ALLOWED_PARTS[own] | {own}
+    assert imported_parts(path, with_types=False) <= ALLOWED_PARTS[own] | {own}
+    assert imported_parts(path, with_types=True) <= ALLOWED_PARTS[own] | TYPES_ONLY.get(own, set()) | {own}
 
 
 @pytest.mark.parametrize("path", python_files("addon/logic"), ids=name_of)

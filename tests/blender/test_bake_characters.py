@@ -56,7 +56,7 @@ def _characters() -> list[bpy.types.Object]:
 def test_bakes_of_the_file_show_its_live_meshes(runtime, tmp_path, path):
     job, options = importlib.import_module("addon.bake.job"), importlib.import_module("addon.bake.options")
     frames = _open(path)
-    characters = [ob for ob in _characters() if runtime.session.characters[ob.session_uid].body is not None]
+    characters = [ob for ob in _characters() if runtime.session.characters[ob.session_uid].binding is not None]
     assert characters
     for ob in characters:
         live = {frame: _at(ob, frame) for frame in frames}

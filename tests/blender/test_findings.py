@@ -306,8 +306,8 @@ def test_looking_costs_nothing_while_posing(route, runtime):
     add_turgor(ob)
     rig.animation_data_clear()
     bpy.context.view_layer.update()
-    before = runtime.character(ob.session_uid).state_findings
+    before = runtime.character(ob.session_uid).stack_findings
     for angle in (0.1, 0.2, 0.3):
         rig.pose.bones["Bone1"].rotation_euler.x = angle
         bpy.context.view_layer.update()
-        assert runtime.character(ob.session_uid).state_findings is before
+        assert runtime.character(ob.session_uid).stack_findings is before

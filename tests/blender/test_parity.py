@@ -71,7 +71,7 @@ def test_skinning_agrees_with_blender(runtime, change, use_dual_quaternions):
 
 def _engine_frame(ob, runtime):
     frame = importlib.import_module("addon.scene.frame")
-    bound = runtime.character(ob.session_uid).body
+    bound = runtime.character(ob.session_uid).binding
     inputs = frame.read_frame(ob.evaluated_get(bpy.context.evaluated_depsgraph_get()))
     engine = bound.body.current_engine
     pose_matrices = np.ascontiguousarray(inputs.pose_matrices[bound.bones.pose_indices])

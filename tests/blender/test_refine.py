@@ -205,11 +205,11 @@ def test_a_threshold_beyond_all_touches_nothing(runtime):
     ob, _ = character()
     add_turgor(ob)
     mesh = ob.data
-    old, body = mesh_positions(mesh), runtime.character(ob.session_uid).body.body
+    old, body = mesh_positions(mesh), runtime.character(ob.session_uid).binding.body
     assert refine(ob, threshold=1.0) == {"CANCELLED"}
     assert np.array_equal(mesh_positions(mesh), old)
-    assert runtime.character(ob.session_uid).body.body.current_engine is not None
-    assert runtime.character(ob.session_uid).body.body is body
+    assert runtime.character(ob.session_uid).binding.body.current_engine is not None
+    assert runtime.character(ob.session_uid).binding.body is body
 
 
 def test_a_lower_threshold_keeps_what_a_higher_one_made():
@@ -344,7 +344,7 @@ def test_half_a_body_under_a_mirror(runtime):
     assert refine(other, method="SMOOTH") == {"FINISHED"}
     assert len(made.vertices) > before
     bpy.context.scene.frame_set(LAST_FRAME)
-    body = runtime.character(other.session_uid).body.body
+    body = runtime.character(other.session_uid).binding.body
     assert body.shells.open == 1
     assert body.current_engine.mesh.components[0].boundary_edge_count == 24
     mid = mesh_positions(made)
@@ -391,9 +391,9 @@ def test_split_seams_stay_closed(runtime):
     bpy.ops.mesh.edge_split(type="EDGE")
     bpy.ops.object.mode_set(mode="OBJECT")
     add_turgor(ob)
-    before = runtime.character(ob.session_uid).body.body.current_engine.mesh.components
+    before = runtime.character(ob.session_uid).binding.body.current_engine.mesh.components
     assert refine(ob, method="SMOOTH") == {"FINISHED"}
-    after = runtime.character(ob.session_uid).body.body.current_engine.mesh.components
+    after = runtime.character(ob.session_uid).binding.body.current_engine.mesh.components
     assert [part.status for part in after] == [part.status for part in before] == ["closed"]
 
 
@@ -404,7 +404,7 @@ def test_masks_and_pins_go_along(runtime):
     add_turgor(ob)
     ob.turgor.pin_group = "Pin"
     refine(ob)
-    mask = runtime.character(ob.session_uid).body.body.mask
+    mask = runtime.character(ob.session_uid).binding.body.mask
     heights = mesh_positions(ob.data)[:, 2]
     assert len(mask) == len(heights)
     # In the ring below it fades.

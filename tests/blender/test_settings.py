@@ -149,3 +149,22 @@ def test_posing_binds_nothing_again(route, monkeypatch):
         rig.pose.bones["Bone1"].rotation_euler.x = angle
         bpy.context.view_layer.update()
     assert not binds
+
+
+def test_settings_are_read_by_the_numbers_that_their_names_have():
+    """Enums are read as numbers, a whole list at once: each name must come back, and only blends have second sets."""
+    read_settings = importlib.import_module("addon.scene.settings").read_settings
+    blends = importlib.import_module("addon.properties.joint").BLEND_NAMES
+    presets = importlib.import_module("addon.properties.profiles").PRESET_NAMES
+    ob, _ = character()
+    add_turgor(ob)
+    joint = ob.turgor.joints[0]
+    for name in blends:
+        joint.blend_mode = name
+        saved = read_settings(ob)
+        assert blends[saved.joints.blend_modes[0]] == name
+        assert (0 in saved.seconds) == (name != "NONE")
+    for name in presets.values():
+        joint.preset = name
+        assert presets[read_settings(ob).joints.presets[0]] == name
+    assert set(blends) == set(joint.bl_rna.properties["blend_mode"].enum_items.keys())

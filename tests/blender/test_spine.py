@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
 import itertools
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -318,3 +320,24 @@ def test_two_evaluations_see_their_own_frame():
     assert np.abs(early - late).max() > 0.1
     assert (shown == early).all()
     assert (positions(ob) == late).all()
+
+
+def test_the_overlay_follows_the_body_and_not_its_name(runtime):
+    """Renamed, with another body under its old name: each obeys its own switch."""
+    overlay = importlib.import_module("addon.overlays.spine")
+    ob, rig = body(), chain()
+    add_spine(ob, rig).show_overlay = True
+    _at(ob, 3)
+    state = runtime.spine(ob.session_uid)
+    old_name, ob.name = ob.name, "Renamed"
+    other = bpy.data.objects.new(old_name, ob.data.copy())
+    bpy.context.scene.collection.objects.link(other)
+    assert (state.name, other.name) == (old_name, old_name)
+    overlays = SimpleNamespace(overlay=SimpleNamespace(show_overlays=True))
+    context = SimpleNamespace(space_data=overlays, view_layer=bpy.context.view_layer)
+    assert list(overlay.shown(context)) == [state]
+    ob.turgor_spine.show_overlay = False
+    other.turgor_spine.show_overlay = True
+    assert not list(overlay.shown(context))
+    overlays.overlay.show_overlays = False
+    assert not list(overlay.shown(context))

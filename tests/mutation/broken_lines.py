@@ -40,12 +40,12 @@ BROKEN_LINES = (
     BrokenLine("addon/live/guard.py", "except BaseException as error", "except Exception as error", _CARRIERS),
     BrokenLine(
         "addon/live/guard.py",
-        "        runtime.set_failure(known, original.name, findings.of_error(original, error))\n",
+        "        runtime.set_failure(state, original.name, findings.of_error(original, error))\n",
         "",
         _CARRIERS,
     ),
     BrokenLine(
-        "addon/live/guard.py", "        runtime.set_failure(known, original.name, None)", "        pass", _CARRIERS
+        "addon/live/guard.py", "        runtime.set_failure(state, original.name, None)", "        pass", _CARRIERS
     ),
     BrokenLine("addon/scene/carrier.py", "mesh.library is not None or mesh in taken", "mesh in taken", _CARRIERS),
     BrokenLine("addon/scene/carrier.py", "or mesh in taken or", "or", _CARRIERS),

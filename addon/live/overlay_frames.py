@@ -9,24 +9,23 @@ import bpy
 import numpy as np
 
 from .. import runtime
-from ..logic.shown import Shown
+from ..logic.overlay_frame import OverlayFrame
 from ..scene import modifier_inputs, node_group, stack
 from . import frame
-from .binding import Bound
 
 # Of each character, by uid: what its last frame was made of, and that frame.
-_last: dict[int, tuple[tuple[object, ...], Shown]] = {}
+_last: dict[int, tuple[tuple[object, ...], OverlayFrame]] = {}
 
 
-def look(ob: bpy.types.Object) -> Shown | None:
-    """The same object again while nothing changed; None where there is nothing to show."""
-    known = runtime.session.characters.get(ob.session_uid)
-    bound: Bound | None = None if known is None else known.body
-    if bound is None:
+def look(ob: bpy.types.Object) -> OverlayFrame | None:
+    """What the viewport shows of a character now; the same object while nothing changed, None without anything."""
+    character = runtime.session.characters.get(ob.session_uid)
+    if character is None or character.binding is None:
         return None
+    bound = character.binding
     target = ob.evaluated_get(bpy.context.view_layer.depsgraph)
     try:
-        asked = frame.read(target, known, bound)
+        asked = frame.read(target, character, bound)
         strength = _strength(target)
     except ValueError:  # the frame itself says so, in the panel
         return None
@@ -39,21 +38,23 @@ def look(ob: bpy.types.Object) -> Shown | None:
     if last is None or last[0] != key:
         last = (
             key,
-            Shown(asked.engine, bound.body.flesh, bound.bones.names, asked.pose_matrices, asked.options, strength),
+            OverlayFrame(
+                asked.engine, bound.body.rest, bound.bones.names, asked.pose_matrices, asked.options, strength
+            ),
         )
         _last[ob.session_uid] = last
     return last[1]
 
 
 def forget() -> None:
-    """Another file, or the end."""
+    """Drop all frames: another file was loaded, or the extension goes."""
     _last.clear()
 
 
 def observe(depsgraph: bpy.types.Depsgraph) -> None:
-    """Figures of characters whose modifier is off in this evaluation, so that Before has some too."""
-    for uid, known in list(runtime.session.characters.items()):
-        ob = runtime.object_of(uid, known, bpy.data.objects)
+    """Keep figures of characters whose modifier is off in this evaluation, so that Before has some too."""
+    for uid, character in list(runtime.session.characters.items()):
+        ob = runtime.object_of(uid, character, bpy.data.objects)
         ours = None if ob is None else stack.volume_modifier(ob)
         if ours is not None and not ours.show_viewport:
             target = ob.evaluated_get(depsgraph)

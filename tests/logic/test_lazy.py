@@ -1,18 +1,20 @@
-"""What a session keeps between frames."""
+"""Values that are worked out when somebody looks."""
 
 from __future__ import annotations
 
 import pytest
 
+from addon.logic.lazy import Lazy
 
-def test_value_is_worked_out_once_and_only_when_asked(runtime):
+
+def test_value_is_worked_out_once_and_only_when_asked():
     found = []
-    value = runtime.Once(lambda: found.append(1) or len(found))
+    value = Lazy(lambda: found.append(1) or len(found))
     assert not found
     assert value() == value() == 1
 
 
-def test_value_that_failed_is_asked_for_again(runtime):
+def test_value_that_failed_is_asked_for_again():
     answers = iter([ValueError("not yet"), None])
 
     def work() -> None:
@@ -20,7 +22,7 @@ def test_value_that_failed_is_asked_for_again(runtime):
         if answer is not None:
             raise answer
 
-    value = runtime.Once(work)
+    value = Lazy(work)
     with pytest.raises(ValueError, match="not yet"):
         value()
     assert value() is None
