@@ -50,7 +50,8 @@ FRAMES = {
 
 def joint(**curves) -> turgor.Joint:
     """Curves one by one, three times each: the stubs take them by threes."""
-    return turgor.Joint(0, **{"profiles": (CURVE,) * 3} | {name: (curve,) * 3 for name, curve in curves.items()})
+    by_threes: dict[str, Any] = {"profiles": (CURVE,) * 3} | {name: (curve,) * 3 for name, curve in curves.items()}
+    return turgor.Joint(0, **by_threes)
 
 
 def weights(**arrays: Any) -> turgor.Weights:

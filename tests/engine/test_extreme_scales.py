@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar
+from typing import TypeVar, cast
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ import turgor
 from hypothesis import given
 from hypothesis import strategies as st
 from rigs import Rig, limb, translation
-from spines import helix, line
+from spines import Method, helix, line
 from surfaces import cube
 
 RIG = limb(bone_count=3, rings=9, sides=6)
@@ -71,15 +71,15 @@ def test_frames(mesh_scale: float, bone_scale: float, pose_scale: float, object_
         return
     pose = scaled(rig.bent(1.0), bone_scale)
     pose[1, :3, :3] *= pose_scale
-    settings = {"object_from_armature": np.diag([object_scale] * 3 + [1.0])}
-    frame = or_refused(lambda: skin.deform(pose, repair_folds=repair_folds, **settings))
+    place = np.diag([object_scale] * 3 + [1.0])
+    frame = or_refused(lambda: skin.deform(pose, repair_folds=repair_folds, object_from_armature=place))
     if frame is None:
         return
     assert finite(frame.positions, frame.skinned, frame.offsets)
     assert finite(*(getattr(frame.report, figure) for figure in FIGURES))
     assert finite(skin.joint_lengths)
-    assert finite(skin.deform_many(pose[None], repair_folds=repair_folds, **settings))
-    assert finite(skin.measure(pose[None], **settings).corrected_volumes)
+    assert finite(skin.deform_many(pose[None], repair_folds=repair_folds, object_from_armature=place))
+    assert finite(skin.measure(pose[None], object_from_armature=place).corrected_volumes)
 
 
 @given(scales, scales, scales)
@@ -110,7 +110,7 @@ def test_settings(strength: float, size: float, target_scale: float, height: flo
     curve = np.array([0.0, height, 0.3 * height])
 
     def joint() -> turgor.Joint:
-        return turgor.Joint(1, "auto", (curve,) * 3, strength=strength, size=size)
+        return turgor.Joint(1, "auto", (curve, curve, curve), strength=strength, size=size)
 
     made = or_refused(joint)
     skin = SKIN if made is None else SKIN.with_joints([made])
@@ -144,7 +144,7 @@ def test_spines(rest_scale: float, posed_scale: float, point_scale: float, metho
             return turgor.Spine.from_nurbs(points)
         if method == "poly":
             return turgor.Spine.from_poly(points)
-        return turgor.Spine(points, method)
+        return turgor.Spine(points, cast("Method", method))
 
     rest, posed = or_refused(lambda: spine(line() * rest_scale)), or_refused(lambda: spine(helix() * posed_scale))
     if rest is None or posed is None:

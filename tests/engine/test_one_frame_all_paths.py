@@ -98,7 +98,7 @@ def test_offsets_added_by_another_deformer_reach_every_path(seed: int, surface: 
     poses, options = poses_of(rig, rng, 2)
     added = rng.normal(scale=0.03, size=(count, 3)).astype(np.float32)
     for row, pose in enumerate(poses):
-        own = {name: values[row] for name, values in options.items()} | {"repair_folds": has_folds}
+        own: dict[str, Any] = {name: values[row] for name, values in options.items()} | {"repair_folds": has_folds}
         plain = body.deform(pose, **own)
         frame = body.deform(pose, added_offsets=added, **own)
         room = np.full((count, 3), np.nan, np.float32)
