@@ -13,6 +13,7 @@ import turgor
 from body import add_spine, body, bow, curve
 from measure import positions
 from tube import LAST_FRAME, add_turgor, bend, carrier, character, place, rig, select, tube_mesh, volume_modifier
+from turgor import _native
 
 FRAME = 15
 
@@ -147,7 +148,7 @@ def test_a_frame_that_fails_is_plain_skinning_and_says_so(route, runtime, monkey
 
 def test_a_fault_of_the_engine_is_an_error_that_python_code_expects():
     with pytest.raises(turgor.TurgorError, match=r"lib\.rs[^$]*on purpose"):
-        turgor._native._fault("on purpose")  # pyright: ignore[reportAttributeAccessIssue]
+        _native._fault("on purpose")
 
 
 @pytest.mark.parametrize("count", [0, 1, 251, 253, 1000])

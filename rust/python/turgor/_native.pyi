@@ -26,6 +26,9 @@ class FaultError(TurgorError):
 class CancelledError(Exception):
     """A progress callback returned False: nothing was changed."""
 
+def _fault(message: str) -> None:
+    """Panics in the engine: for tests of what becomes of a fault. Raises FaultError."""
+
 @final
 class Mesh:
     """A surface at rest: corners welded by position, shells found, openings closed by virtual caps.
