@@ -158,8 +158,10 @@ def test_points_of_the_spine_itself_and_far_away_are_found():
     found = spine.closest(spine.evaluate(t).positions)
     assert np.abs(found.parameters - t).max() < 1e-14 * 50
     assert found.distances.max() < 1e-15 * 10
-    for far in (1e3, 1e6, 1e12, 1e200):
+    for far in (1e3, 1e6, 1e12, 1e15):
         assert np.isfinite(spine.closest(np.eye(3) * far).parameters).all()
+    with pytest.raises(turgor.TurgorError, match="points: row 0"):
+        spine.closest(np.eye(3) * 1e200)
 
 
 def bezier(points: Points, left: Points, right: Points, count: int = 400) -> Points:

@@ -83,7 +83,15 @@ pub(crate) fn check_finite(what: &'static str, rows: &[glam::DVec3]) -> Result<(
     }
 }
 
-/// The same of matrices.
+/// Refuses rows in single precision that are not finite, or too large.
+pub(crate) fn check_rows(what: &'static str, rows: &[[f32; 3]]) -> Result<()> {
+    match rows.iter().position(|row| !row.iter().all(|x| f64::from(x.abs()) <= LARGEST)) {
+        Some(row) => refuse(what, row, &rows[row].map(f64::from)),
+        None => Ok(()),
+    }
+}
+
+/// Refuses matrices that are not finite, or too large.
 pub(crate) fn check_matrices(what: &'static str, matrices: &[glam::DMat4]) -> Result<()> {
     let is_sound = |m: &glam::DMat4| m.to_cols_array().iter().all(|x| x.abs() <= LARGEST);
     match matrices.iter().position(|m| !is_sound(m)) {

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::Workspace;
 use crate::binding::Binding;
-use crate::error::{Error, LARGEST, Result, check_numbers};
+use crate::error::{Error, Result, check_rows};
 use crate::numeric::csr::Csr;
 use crate::numeric::lanes::{self, V4};
 use crate::surface::patches::NO_SLOT;
@@ -55,9 +55,7 @@ impl Workspace {
         if offsets.len() != bound {
             return Err(Error::Length { what: "added_offsets", found: offsets.len(), needed: bound });
         }
-        if let Some(row) = offsets.iter().position(|offset| !offset.iter().all(|c| f64::from(c.abs()) <= LARGEST)) {
-            return check_numbers("added_offsets", &offsets[row].map(f64::from)).map(|()| DVec3::ZERO);
-        }
+        check_rows("added_offsets", offsets)?;
         if self.added.vertices_of_slot.values().is_empty() {
             let in_slots: Vec<(u32, u32)> = binding.slot_of_vertex.iter().copied().zip(0..).filter(|(slot, _)| *slot != NO_SLOT).collect();
             self.added.vertices_of_slot = Csr::from_pairs(binding.patches.slot_count(), &in_slots);
