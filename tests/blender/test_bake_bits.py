@@ -39,9 +39,9 @@ def _live(ob: bpy.types.Object, frame: float) -> NDArray[np.float32]:
     live = importlib.import_module("addon.live.frame")
     runtime = importlib.import_module("addon.runtime")
     bpy.context.scene.frame_set(int(frame), subframe=frame % 1.0)
-    known = runtime.character(ob.session_uid)
+    state = runtime.character(ob.session_uid)
     target = ob.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    asked = live.read(target, known, known.body)
+    asked = live.read(target, state, state.binding)
     found = asked.engine.deform(asked.pose_matrices, **asked.options)
     effect = importlib.import_module("addon.scene.modifier_inputs").read_input(
         target.modifiers["Turgor Volume"], importlib.import_module("addon.scene.node_group").STRENGTH
@@ -111,5 +111,5 @@ def test_flesh_along_a_spine_is_added():
     add_spine(ob, armature)
     add_turgor(ob)
     runtime = importlib.import_module("addon.runtime")
-    assert runtime.character(ob.session_uid).body.fleshed is not None
+    assert runtime.character(ob.session_uid).binding.fleshed is not None
     _assert_bits(ob, np.arange(1.0, LAST_FRAME + 1.0))
