@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib
+import os
 import random
 import signal
 import subprocess
@@ -171,6 +172,8 @@ def main(path: Path, folder: Path, method: str) -> None:
     for progress in made.run():
         say("at", progress.part)
     addon.unregister()
+    # Blender's module may wait forever for its own threads while Python ends.
+    os._exit(0)
 
 
 if __name__ == "__main__":
