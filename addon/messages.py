@@ -8,6 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+# Volume errors from here on are rounded as roughly as those of plain skinning.
+VISIBLE_PERCENT = 0.005
+
 
 class Message(str):
     """A filled template."""
@@ -46,3 +49,8 @@ def signed_percent(value: float, digits: int) -> str:
     """A percentage as text, with a sign unless it rounds to zero."""
     rounded = round(value, digits)
     return f"{rounded:+.{digits}f} %" if rounded else f"{0.0:.{digits}f} %"
+
+
+def volume_error(percent: float) -> str:
+    """A volume error as text, with more digits where it is next to nothing."""
+    return signed_percent(percent, 2 if abs(percent) >= VISIBLE_PERCENT else 4)

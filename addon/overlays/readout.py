@@ -11,7 +11,7 @@ from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Vector
 
 from .. import runtime
-from ..messages import signed_percent
+from ..messages import VISIBLE_PERCENT, signed_percent, volume_error
 from ..states import VolumeState
 from . import text
 from .characters import active_joint, is_after
@@ -19,8 +19,6 @@ from .characters import active_joint, is_after
 if TYPE_CHECKING:
     from ..logic.character_figures import JointFigures
 
-# Errors from here on are rounded as roughly as those of plain skinning.
-VISIBLE_PERCENT = 0.005
 # Joints are written that took at least this part of what the joint that took most did, and this many at most.
 NOTABLE_PART, MOST_JOINTS = 0.1, 12
 
@@ -30,11 +28,11 @@ def draw(ob: bpy.types.Object, character: VolumeState, x: float, y: float) -> fl
     figures = character.figures
     if figures is None:
         return y
-    corrected = _error(figures.corrected_deviation)
+    corrected = volume_error(figures.corrected_deviation)
     skinned = signed_percent(figures.skinned_deviation, 2)
     computed = corrected if is_after(ob) else skinned
     measured = figures.shown_deviation
-    error = iface_("{error}, computed").format(error=computed) if measured is None else _error(measured)
+    error = iface_("{error}, computed").format(error=computed) if measured is None else volume_error(measured)
     if is_after(ob):
         shown = iface_("volume {error}").format(error=error)
         beside = iface_("without Turgor {error}").format(error=skinned)
@@ -88,7 +86,3 @@ def _on_screen(context: bpy.types.Context, ob: bpy.types.Object, point: np.ndarr
 
 def _overlap(one: text.Rect, other: text.Rect) -> bool:
     return one.left < other.right and other.left < one.right and one.bottom < other.top and other.bottom < one.top
-
-
-def _error(percent: float) -> str:
-    return signed_percent(percent, 2 if abs(percent) >= VISIBLE_PERCENT else 4)

@@ -6,7 +6,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from .. import runtime
-from ..messages import signed_percent
+from ..messages import signed_percent, volume_error
 from ..properties.saved import spine_settings
 from ..properties.spine import TurgorSpine
 from ..states import SpineState
@@ -16,8 +16,6 @@ from .state import draw_timing
 
 PARENT_PANEL = "TURGOR_PT_spine"
 BLEND_NAMES = ("Radial", "Normal", "Binormal")
-# An error from here on is rounded roughly.
-VISIBLE_PERCENT = 0.005
 
 
 class TURGOR_PT_spine(ModifierTab, bpy.types.Panel):
@@ -85,8 +83,7 @@ def _draw_readout(layout: bpy.types.UILayout, ob: bpy.types.Object, state: Spine
     if figures.kept_deviation is not None:
         line = column.row()
         line.alignment = "CENTER"
-        digits = 2 if abs(figures.kept_deviation) >= VISIBLE_PERCENT else 4
-        error = signed_percent(figures.kept_deviation, digits)
+        error = volume_error(figures.kept_deviation)
         line.label(text=iface_("Volume error {error}").format(error=error), translate=False)
         if figures.fleshed_deviation != figures.kept_deviation:
             line = column.row()

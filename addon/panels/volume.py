@@ -8,7 +8,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from .. import runtime
-from ..messages import signed_percent
+from ..messages import signed_percent, volume_error
 from ..properties.saved import volume_settings
 from ..states import VolumeState
 from .before_after import draw_before_after, is_after
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from ..logic.character_figures import Folds
 
 PARENT_PANEL = "TURGOR_PT_volume"
-# An error from here on is rounded as roughly as that of plain skinning.
-VISIBLE_PERCENT = 0.005
 
 
 class TURGOR_PT_volume(ModifierTab, bpy.types.Panel):
@@ -95,11 +93,6 @@ def draw_readout(layout: bpy.types.UILayout, character: VolumeState, *, is_on: b
         line.alignment = "CENTER"
         line.active = False
         line.label(text=_folds_text(figures.folds), translate=False)
-
-
-def volume_error(percent: float) -> str:
-    """A volume error as text, with more digits where it is next to nothing."""
-    return signed_percent(percent, 2 if abs(percent) >= VISIBLE_PERCENT else 4)
 
 
 def _folds_text(folds: Folds) -> str:
