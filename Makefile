@@ -137,8 +137,11 @@ bench: ## criterion benches of the engine
 mutants: dist/.extension .fixtures/.ready $(NEWEST)/.ready ## break lines on purpose, one at a time: each must be noticed by a test
 	$(NEWEST)/bin/python -m tests.mutation
 
-engine-mutants: $(NEWEST)/.ready ## break what cargo-mutants can break in the engine: hours (needs cargo-mutants)
-	cargo mutants --output target-mutants || true
+# One of so many equal shares of the mutants, as 0/3.
+SHARE ?= 0/1
+
+engine-mutants: $(NEWEST)/.ready ## break what cargo-mutants can break in the engine: hours, or make engine-mutants SHARE=0/6 (needs cargo-mutants)
+	cargo mutants --output target-mutants --shard $(SHARE) --sharding round-robin || true
 	$(NEWEST)/bin/python -m tests.mutation --missed target-mutants/mutants.out
 
 clean: ## remove everything made here

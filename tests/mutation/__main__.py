@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 from tests.mutation.broken_lines import BROKEN_LINES, BrokenLine
+from tests.mutation.missed import read_missed
 from tests.mutation.scratch import Scratch
 
 
@@ -45,32 +46,29 @@ def _judged(scratch: Scratch, tests: tuple[str, ...]) -> str:
 
 
 def _missed(folder: Path, tests: list[str]) -> int:
-    """The diffs of mutants that Rust's tests missed, one after the other."""
+    """Mutants that Rust's tests missed, one after the other, judged by the laws in Python."""
     scratch = Scratch()
-    names = (folder / "missed.txt").read_text(encoding="utf-8").splitlines()
-    diffs = {path.stem: path for path in sorted((folder / "diff").glob("*.diff"))}
+    if not scratch.build():
+        print("the engine does not compile as it is")
+        return 2
+    mutants = read_missed(folder)
     survivors = 0
-    for name in names:
-        place, _, what = name.partition(": ")
-        file, line, _ = place.rsplit(":", 2)
-        found = [path for path in diffs.values() if _is_of(path, file, what)]
+    for mutant in mutants:
         verdict = "no diff"
-        for path in found[:1]:
-            applied = subprocess.run(
-                ["patch", "-p1", "--quiet", "-i", str(path)], cwd=scratch.root, capture_output=True, check=False
-            )
-            if applied.returncode == 0:
-                verdict = _judged(scratch, tuple(tests))
-                subprocess.run(["patch", "-p1", "-R", "--quiet", "-i", str(path)], cwd=scratch.root, check=True)
+        if _patch(scratch, mutant.diff):
+            verdict = _judged(scratch, tuple(tests))
+            if not _patch(scratch, mutant.diff, "--reverse"):
+                raise SystemExit(f"the copy cannot be mended after {mutant.name}")
         survivors += verdict != "noticed"
-        print(f"{verdict:16}  {file}:{line}: {what}", flush=True)
-    print(f"{len(names)} missed by Rust's tests, {survivors} unnoticed by all or not judged")
+        print(f"{verdict:16}  {mutant.name}", flush=True)
+    print(f"{len(mutants)} missed by Rust's tests, {survivors} unnoticed by all or not judged")
     return int(survivors > 0)
 
 
-def _is_of(path: Path, file: str, what: str) -> bool:
-    text = path.read_text(encoding="utf-8")
-    return f"+++ {what}" in text and file in text.partition("\n")[0]
+def _patch(scratch: Scratch, diff: Path, *options: str) -> bool:
+    command = ["patch", "--strip=0", "--quiet", "--forward", *options, "--input", str(diff.resolve())]
+    # A patch names the mutant where the new file's name would stand: the file is that of the old one.
+    return subprocess.run(command, cwd=scratch.root, capture_output=True, check=False).returncode == 0
 
 
 def main() -> int:
