@@ -96,10 +96,11 @@ test-python: dist/site-packages
 	PYTHONPATH=$(CURDIR)/dist/site-packages $(TOOLS)/python -m pytest $(PYTEST_FLAGS) tests/architecture tests/packaging tests/engine tests/logic
 
 test-3.11 $(if $(HAS_3.13),test-3.13): test-%: dist/.extension dist/site-packages .fixtures/.ready .venv-%/.ready
-	PYTHONPATH=$(CURDIR)/dist/site-packages .venv-$*/bin/python -m pytest $(PYTEST_FLAGS) tests/fixtures tests/demo tests/blender $(FARM_TESTS)
+	PYTHONPATH=$(CURDIR)/dist/site-packages .venv-$*/bin/python -m pytest $(PYTEST_FLAGS) tests/fixtures tests/blender $(OTHER_TESTS)
 
-# Their tools are in one of the environments.
-test-3.11: FARM_TESTS := tests/farm
+# The farms' tools are in one of the environments; demonstrations run in the newest Blender, as in `make demo`.
+test-3.11: OTHER_TESTS := tests/farm $(if $(HAS_3.13),,tests/demo)
+test-3.13: OTHER_TESTS := tests/demo
 
 ifndef HAS_3.13
 test-3.13:
