@@ -57,14 +57,21 @@ def rest_end(ob: bpy.types.Object) -> bpy.types.Modifier | None:
 
 def place_for_new(ob: bpy.types.Object, rig: bpy.types.Object | None) -> int:
     """Where in the stack a new Turgor Spine goes: after the Armature of its own bones, else before all that moves."""
-    for index, modifier in enumerate(ob.modifiers):
+    modifiers = list(ob.modifiers)
+    for index, modifier in enumerate(modifiers):
         if modifier.type == "ARMATURE" and modifier.object is not None and modifier.object == rig:
             return index + 1
-        if modifier.type in LATER_TYPES or node_group.is_of_kind(
-            getattr(modifier, "node_group", None), node_group.VOLUME
-        ):
-            return index
-    return len(ob.modifiers)
+    place = next((index for index, each in enumerate(modifiers) if _stands_later(each)), len(modifiers))
+    # Blender lets nothing of ours stand before a Multires; after it is as good where nothing between moves.
+    levels = [index for index, each in enumerate(modifiers) if each.type == "MULTIRES"]
+    if levels and all(each.type in {"SUBSURF", "MULTIRES"} for each in modifiers[place : levels[-1] + 1]):
+        place = max(place, levels[-1] + 1)
+    return place
+
+
+def _stands_later(modifier: bpy.types.Modifier) -> bool:
+    group = getattr(modifier, "node_group", None)
+    return modifier.type in LATER_TYPES or node_group.is_of_kind(group, node_group.VOLUME)
 
 
 def obstacle(ob: bpy.types.Object) -> Obstacle | None:
