@@ -7,9 +7,10 @@ from collections.abc import Callable
 import bpy
 import numpy as np
 
+from .. import runtime
 from ..logic import orientation
 from ..messages import message
-from ..scene import drivers, mesh_selection, modifier_order, node_group, obstacles, spine_stack, stack
+from ..scene import drivers, mesh_selection, modifier_order, modifier_places, node_group, obstacles, spine_stack, stack
 from . import binding, spine_binding
 
 # How much more skin takes part at a joint that has no room.
@@ -48,6 +49,23 @@ def _move_below_armature(target: bpy.types.Object, subject: str, kind: str) -> N
 def _move_after(target: bpy.types.Object, subject: str, kind: str) -> None:
     modifier_order.move_after(target, _modifier(target, subject), stack.own_modifier(target, node_group.KINDS[kind]))
     _accept(target)
+
+
+def _move_below(target: bpy.types.Object, subject: str, kind: str) -> None:
+    """Drivers and inputs go along: they name the modifier. It moves back where nothing can be kept there."""
+    ours = stack.volume_modifier(target)
+    if ours is None:
+        raise FixError("There is no Turgor Volume any more")
+    place = list(target.modifiers).index(ours)
+    modifier_order.move_below(target, ours, _modifier(target, subject))
+    binding.bind(target, accept_topology=True)
+    problem = runtime.character(target.session_uid).problem
+    if problem is not None:
+        modifier_places.put(target, ours, place)
+        binding.bind(target, accept_topology=True)
+        raise FixError(
+            message("Turgor Volume cannot stand below {modifier}: {problem}", modifier=subject, problem=problem)
+        )
 
 
 def _turn_off(target: bpy.types.Object, subject: str, kind: str) -> None:
@@ -151,6 +169,7 @@ APPLY: dict[str, Callable[[bpy.types.Object, str, str], None]] = {
     "REBIND": _rebind,
     "MOVE_BELOW_ARMATURE": _move_below_armature,
     "MOVE_AFTER": _move_after,
+    "MOVE_BELOW": _move_below,
     "TURN_OFF": _turn_off,
     "SHOW_IN_VIEWPORT": _show_in_viewport,
     "SHOW_IN_RENDERS": _show_in_renders,
