@@ -1,4 +1,4 @@
-"""Findings of measured meshes: what modifiers after Turgor Volume change, and another volume than was computed.
+"""Findings of what stands after Turgor Volume: what each modifier there changes of the volume, measured.
 
 Looking at a place amid the stack takes an evaluation of its own, apart from the artist's scene: at once where there is
 no window, else when nothing has moved for a while, and never where nothing asks for it.
@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
-import turgor
-from numpy.typing import NDArray
 
 from .. import runtime
 from ..logic import fingerprint, stack_volumes
@@ -18,7 +16,7 @@ from ..logic.finding import Finding
 from ..messages import message, signed_percent
 from ..scene import later_modifiers, scene_drivers, shown_mesh
 from ..states import VolumeBinding, VolumeState
-from . import findings, strokes
+from . import findings, measured, strokes
 
 # Seconds without another frame before the stack is looked at.
 SECONDS_TO_REST = 0.4
@@ -40,7 +38,7 @@ def follow(
     later = later_modifiers.later(target)
     if not later and later_modifiers.is_whole(target):
         character.later_findings = ()
-        return _of_volume(target, bound.body.mesh, figures, shown)
+        return measured.of_volume(target, bound.body.mesh, figures, shown)
     seen = fingerprint.fingerprint([shown], [(each.name, each.show_viewport, each.show_render) for each in later])
     if character.later_seen != seen:
         character.later_seen = seen
@@ -69,37 +67,10 @@ def _look(target: bpy.types.Object) -> None:
     is_of_frame = not later_modifiers.is_whole(target) or np.array_equal(last, shown)
     found: list[Finding] = []
     if is_of_frame:
-        found += _of_volume(target, bound.body.mesh, figures, right_after)
+        found += measured.of_volume(target, bound.body.mesh, figures, right_after)
         found += _of_later(target, steps)
     character.later_findings = tuple(found)
     _redraw()
-
-
-def _of_volume(
-    target: bpy.types.Object, mesh: turgor.Mesh, figures: VolumeFigures, positions: NDArray[np.float32]
-) -> tuple[Finding, ...]:
-    """An error where the mesh right after Turgor Volume has another volume than was computed."""
-    computed = figures.computed_volumes
-    if computed is None or len(positions) != mesh.vertex_count or not np.isfinite(positions).all():
-        return ()
-    measured = mesh.component_volumes(positions)
-    reach = figures.reach + float(np.abs(positions).max(initial=0.0))
-    if np.abs(measured - computed).sum() <= stack_volumes.rounding_volume(mesh, positions, reach):
-        return ()
-    target_volume = figures.target_volume
-    text = message(
-        "The mesh has another volume than was computed: {measured} of its volume instead of {computed}; something else"
-        " moves its vertices, or the node group of {modifier} was edited",
-        measured=_deviation(measured, target_volume),
-        computed=_deviation(computed, target_volume),
-        modifier="Turgor Volume",
-    )
-    return (findings.finding(target, "ERROR", "measured_volume", text),)
-
-
-def _deviation(volumes: NDArray[np.float64], target_volume: float) -> str:
-    percent = 100.0 * (float(np.abs(volumes).sum()) / target_volume - 1.0) if target_volume > 0.0 else 0.0
-    return signed_percent(percent, 4)
 
 
 def _of_later(target: bpy.types.Object, steps: later_modifiers.Steps) -> list[Finding]:

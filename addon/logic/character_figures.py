@@ -81,6 +81,8 @@ class SpineFigures:
     clamped_count: int
     fleshed_deviation: float | None
     kept_deviation: float | None
+    # Measured on the mesh that the viewport shows; None where that has other vertices than were bound.
+    shown_deviation: float | None = None
 
 
 @dataclass(frozen=True)
