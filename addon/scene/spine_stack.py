@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import bpy
 
 from ..messages import message
 from . import node_group, obstacles, skeleton, spine_chain, spine_curve, stack
+from .gathered import gathered
 from .obstacles import Obstacle
 
 # Before these it is put into a new stack: they move the mesh, or make another one in renders.
@@ -87,10 +90,10 @@ def obstacle(ob: bpy.types.Object) -> Obstacle | None:
         return None
     limb = limb_modifier(ob)
     found = None if limb is None else obstacles.armature_obstacle(ob, limb)
-    return found or _earlier_obstacle(ob, limb or ours)
+    return found or gathered(_earlier_obstacles(ob, limb or ours))
 
 
-def _earlier_obstacle(ob: bpy.types.Object, end: bpy.types.Modifier) -> Obstacle | None:
+def _earlier_obstacles(ob: bpy.types.Object, end: bpy.types.Modifier) -> Iterator[Obstacle]:
     has_shape_keys = ob.data.shape_keys is not None
     for modifier in stack.modifiers_before(ob, end):
         name = modifier.name
@@ -98,19 +101,18 @@ def _earlier_obstacle(ob: bpy.types.Object, end: bpy.types.Modifier) -> Obstacle
             text = message(
                 "{modifier} deforms the body before Turgor Spine: move it below, or flesh its own bones", modifier=name
             )
-            return Obstacle("second_armature", text, "MOVE_AFTER", name)
-        if stack.moves(modifier):
+            yield Obstacle("second_armature", text, "MOVE_AFTER", name)
+        elif stack.moves(modifier):
             text = message("{modifier} can move the body before Turgor Spine: move it below", modifier=name)
-            return Obstacle("moving_modifier", text, "MOVE_AFTER", name)
-        if stack.is_animated(ob, modifier):
+            yield Obstacle("moving_modifier", text, "MOVE_AFTER", name)
+        elif stack.is_animated(ob, modifier):
             text = message("{modifier} is animated before Turgor Spine: move it below", modifier=name)
-            return Obstacle("moving_modifier", text, "MOVE_AFTER", name)
-        if has_shape_keys and modifier.type not in stack.LINEAR_TYPES:
+            yield Obstacle("moving_modifier", text, "MOVE_AFTER", name)
+        elif has_shape_keys and modifier.type not in stack.LINEAR_TYPES:
             text = message(
                 "{modifier} changes shape keys before Turgor Spine: apply it, or move it below", modifier=name
             )
-            return Obstacle("shape_key_modifier", text, "MOVE_AFTER", name)
-    return None
+            yield Obstacle("shape_key_modifier", text, "MOVE_AFTER", name)
 
 
 def chosen(saved: bpy.types.PropertyGroup) -> tuple[object, ...]:
