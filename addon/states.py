@@ -75,7 +75,7 @@ class ModifierState(Generic[Binding, Figures]):
     """One object with one modifier of ours."""
 
     # Fields that the last frame leaves.
-    FRAME_FIELDS: ClassVar[tuple[str, ...]] = ("measure", "inspect", "timing", "failure")
+    FRAME_FIELDS: ClassVar[tuple[str, ...]] = ("measure", "inspect", "timing", "failure", "later_findings")
 
     name: str = ""  # of the object, when it was last evaluated
     binding: Binding | None = None
@@ -92,6 +92,9 @@ class ModifierState(Generic[Binding, Figures]):
     # Works out what is off in the last frame, as `measure`.
     inspect: Callable[[], tuple[Finding, ...]] | None = None
     timing: Timing | None = None
+    # What measured meshes said of a frame, and the fingerprint of what was looked at last.
+    later_findings: tuple[Finding, ...] = ()
+    later_seen: str = ""
 
     @property
     def figures(self) -> Figures | None:
@@ -110,7 +113,7 @@ class ModifierState(Generic[Binding, Figures]):
         inspect, failure = self.inspect, self.failure
         of_frame = () if inspect is None else inspect()
         failed = () if failure is None else (failure,)
-        return worst_first((*self.bind_findings, *failed, *self.standing_findings, *of_frame))
+        return worst_first((*self.bind_findings, *failed, *self.standing_findings, *of_frame, *self.later_findings))
 
     @property
     def problem(self) -> str | None:
@@ -127,6 +130,7 @@ class ModifierState(Generic[Binding, Figures]):
     def forget_frame(self) -> None:
         """Drop all that the last frame left: it is shown no longer."""
         self.measure = self.inspect = self.timing = None
+        self.later_findings, self.later_seen = (), ""
 
     @contextmanager
     def frame_kept(self) -> Iterator[None]:

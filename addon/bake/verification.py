@@ -148,20 +148,13 @@ def _side_by_side(baking: Baking, *, is_whole: bool) -> Iterator[doubles.Doubles
         kept.enter_context(runtime.spine(target.session_uid).frame_kept())
         if baking.options.repair_folds and not target.turgor.repair_folds:
             kept.enter_context(_folds_repaired(target))
-        alone = kept.enter_context(doubles.doubles(objects, without, _settle))
+        alone = kept.enter_context(doubles.doubles(objects, without, push.settle))
         ours = alone.objects[0].modifiers[source.own.name]
         if modifier_inputs.has_input(ours, node_group.IN_VIEWPORT):
             modifier_inputs.write_input(ours, node_group.IN_VIEWPORT, True)
         if runtime.session.route == "PUSH":
             kept.callback(lambda: push.write_all(bpy.context.evaluated_depsgraph_get()))
         yield alone
-
-
-def _settle(depsgraph: bpy.types.Depsgraph) -> None:
-    """Where handlers write offsets they do not in a scene that is not the artist's."""
-    if runtime.session.route == "PUSH":
-        push.write_all(depsgraph)
-        depsgraph.update()
 
 
 @contextmanager

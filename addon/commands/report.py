@@ -12,7 +12,7 @@ import turgor
 from .. import runtime
 from ..bake.options import BakeError
 from ..bake.spine_frames import SpineFrames
-from ..live import measuring
+from ..live import measuring, stack_measures
 from ..messages import signed_percent
 from ..scene import stack
 from . import arguments as shared
@@ -55,7 +55,7 @@ def run(arguments: argparse.Namespace) -> Outcome:
 
 def _volume(ob: bpy.types.Object, frames: np.ndarray, *, use_test_motion: bool) -> dict[str, Any]:
     try:
-        motion = measuring.measure(ob, frames.tolist(), use_test_motion=use_test_motion)
+        motion = measuring.measure(ob, frames.tolist(), use_test_motion=use_test_motion, is_evaluated=True)
     except ValueError as error:
         raise CommandError(f"{ob.name}: {error}") from error
     character = runtime.character(ob.session_uid)
@@ -66,6 +66,8 @@ def _volume(ob: bpy.types.Object, frames: np.ndarray, *, use_test_motion: bool) 
         motion.frames,
         motion.corrected_deviations,
         motion.skinned_deviations,
+        motion.measured_deviations,
+        motion.final_deviations,
     )
 
 
@@ -79,7 +81,12 @@ def _spine(ob: bpy.types.Object, frames: np.ndarray) -> dict[str, Any]:
     rest = float(np.abs(mesh.component_volumes(source.rest.positions)).sum())
     found = [float(np.abs(mesh.component_volumes(sample.positions)).sum()) for sample in source.samples(frames)]
     deviations = 100.0 * (np.array(found) / rest - 1.0) if rest else np.zeros(len(found))
-    return _entry(ob.name, "SPINE", rest, frames, deviations, None)
+    try:
+        seen = stack_measures.volumes(ob, source.own, mesh, frames.tolist())
+    except ValueError as error:
+        raise CommandError(f"{ob.name}: {error}") from error
+    measured, final = (stack_measures.deviations(each, rest) for each in seen)
+    return _entry(ob.name, "SPINE", rest, frames, deviations, None, measured, final)
 
 
 def _entry(
@@ -89,8 +96,11 @@ def _entry(
     frames: np.ndarray | None,
     with_turgor: np.ndarray,
     without_turgor: np.ndarray | None,
+    measured: np.ndarray | None,
+    final: np.ndarray | None,
 ) -> dict[str, Any]:
-    """Frames are None where nothing moves and a test range of motion was measured."""
+    """Frames are None where nothing moves and a test range of motion was measured: then no mesh was evaluated."""
+    shown = with_turgor if measured is None else np.concatenate([with_turgor, measured[np.isfinite(measured)]])
     return {
         "name": name,
         "modifier": modifier,
@@ -98,8 +108,15 @@ def _entry(
         "frames": None if frames is None else frames.tolist(),
         "with_turgor": with_turgor.tolist(),
         "without_turgor": None if without_turgor is None else without_turgor.tolist(),
-        "largest_deviation": float(np.abs(with_turgor).max(initial=0.0)),
+        "measured": _plain(measured),
+        "measured_at_end": _plain(final),
+        "largest_deviation": float(np.abs(shown).max(initial=0.0)),
     }
+
+
+def _plain(deviations: np.ndarray | None) -> list[float | None] | None:
+    """Without NaN, which JSON has no word for."""
+    return None if deviations is None else [each if np.isfinite(each) else None for each in deviations.tolist()]
 
 
 def _lines(entry: dict[str, Any]) -> list[str]:
@@ -113,5 +130,15 @@ def _lines(entry: dict[str, Any]) -> list[str]:
         lines[0] += ", nothing moves: each joint was turned in turn"
     for number, frame in enumerate(frames):
         line = f"  {frame}: {signed_percent(entry['with_turgor'][number], 6)}"
+        line += _measured_text(entry, number)
         lines.append(line if without is None else f"{line}, without Turgor {signed_percent(without[number], 2)}")
     return lines
+
+
+def _measured_text(entry: dict[str, Any], number: int) -> str:
+    """What was measured on the mesh, right after Turgor and, where that is another figure, after all modifiers."""
+    if entry["measured"] is None:
+        return ""
+    measured, final = entry["measured"][number], entry["measured_at_end"][number]
+    text = "" if measured is None else f", measured {signed_percent(measured, 6)}"
+    return text if final in (None, measured) else f"{text}, after all modifiers {signed_percent(final, 6)}"

@@ -13,6 +13,7 @@ from ..messages import message
 from ..messages import of_error as message_of
 from ..runtime import Finding
 from ..scene import modifier_inputs, node_group, spine_stack, stack
+from ..scene.gathered import listed
 from ..scene.obstacles import Obstacle
 from . import refusals
 from .binding_rules import BindError
@@ -21,8 +22,6 @@ from .binding_rules import BindError
 ERROR_IDS = {"ShapeKeyTopologyError": "shape_key_topology", "PlacementError": "placement", "FrameError": "frame"}
 # A joint that misses less than this many percent of the rest volume is not told.
 NOTABLE_PERCENT = 0.005
-# Joints whose field ran out of room are told one by one up to so many.
-MOST_JOINTS = 3
 
 _WHY_NOT_CORRECTED = {
     "sheet": message("too open to hold a volume"),
@@ -160,7 +159,7 @@ def of_figures(target: bpy.types.Object, figures: VolumeFigures, strengths: dict
         text = message(
             "The strength of joints leaves {percent:+.2f} % of the volume: {joints}",
             percent=figures.corrected_deviation,
-            joints=", ".join(weak[:MOST_JOINTS]) + (", …" if len(weak) > MOST_JOINTS else ""),
+            joints=listed(weak),
         )
         found.append(finding(target, "INFO", "joint_strength", text))
     if figures.folds is not None and figures.folds.left_count:
@@ -185,17 +184,20 @@ def of_figures(target: bpy.types.Object, figures: VolumeFigures, strengths: dict
 def _of_capped_joints(target: bpy.types.Object, figures: VolumeFigures) -> list[Finding]:
     capped = [name for name, joint in figures.joints.items() if joint.is_capped and abs(joint.lost) >= NOTABLE_PERCENT]
     capped.sort(key=lambda name: -abs(figures.joints[name].lost))
-    found = []
-    for name in capped[:MOST_JOINTS]:
+    if not capped:
+        return []
+    text = message(
+        "{joint} has no room for all of its volume; the rest went to the skin around: give it a larger Size",
+        joint=capped[0],
+    )
+    if len(capped) > 1:
         text = message(
-            "{joint} has no room for all of its volume; the rest went to the skin around: give it a larger Size",
-            joint=name,
+            "{count} joints have no room for all of their volume: {joints}; the rest went to the skin around: give them"
+            " a larger Size",
+            count=len(capped),
+            joints=listed(capped),
         )
-        found.append(finding(target, "INFO", "capped", text, "LARGER_SIZE", name))
-    if len(capped) > MOST_JOINTS:
-        text = message("Other joints without room for all of their volume: {count}", count=len(capped) - MOST_JOINTS)
-        found.append(finding(target, "INFO", "capped", text))
-    return found
+    return [finding(target, "INFO", "capped", text, "LARGER_SIZE", "\n".join(capped))]
 
 
 def of_spine_figures(figures: SpineFigures) -> tuple[Finding, ...]:

@@ -7,9 +7,10 @@ from collections.abc import Callable
 import bpy
 import numpy as np
 
+from .. import runtime
 from ..logic import orientation
 from ..messages import message
-from ..scene import drivers, mesh_selection, modifier_order, node_group, obstacles, spine_stack, stack
+from ..scene import drivers, mesh_selection, modifier_order, modifier_places, node_group, obstacles, spine_stack, stack
 from . import binding, spine_binding
 
 # How much more skin takes part at a joint that has no room.
@@ -21,7 +22,11 @@ class FixError(ValueError):
 
 
 def apply(target: bpy.types.Object, fix: str, subject: str, kind: str) -> None:
-    """fix: of `properties.fixes`; subject: name of what it changes; kind: whose modifier, "VOLUME" or "SPINE"."""
+    """Mend one finding.
+
+    fix: of `properties.fixes`; subject: names of what it changes, one per line; kind: whose modifier, "VOLUME" or
+    "SPINE". Raises FixError and modifier_places.PlaceError.
+    """
     APPLY[fix](target, subject, kind)
     target.update_tag()
 
@@ -46,13 +51,33 @@ def _move_below_armature(target: bpy.types.Object, subject: str, kind: str) -> N
 
 
 def _move_after(target: bpy.types.Object, subject: str, kind: str) -> None:
-    modifier_order.move_after(target, _modifier(target, subject), stack.own_modifier(target, node_group.KINDS[kind]))
+    ours = stack.own_modifier(target, node_group.KINDS[kind])
+    # Each right after ours, the last first: they keep their order.
+    for modifier in reversed(_modifiers(target, subject)):
+        modifier_order.move_after(target, modifier, ours)
     _accept(target)
 
 
+def _move_below(target: bpy.types.Object, subject: str, kind: str) -> None:
+    """Drivers and inputs go along: they name the modifier. It moves back where nothing can be kept there."""
+    ours = stack.volume_modifier(target)
+    if ours is None:
+        raise FixError("There is no Turgor Volume any more")
+    place = list(target.modifiers).index(ours)
+    modifier_order.move_below(target, ours, _modifier(target, subject))
+    binding.bind(target, accept_topology=True)
+    problem = runtime.character(target.session_uid).problem
+    if problem is not None:
+        modifier_places.put(target, ours, place)
+        binding.bind(target, accept_topology=True)
+        raise FixError(
+            message("Turgor Volume cannot stand below {modifier}: {problem}", modifier=subject, problem=problem)
+        )
+
+
 def _turn_off(target: bpy.types.Object, subject: str, kind: str) -> None:
-    modifier = _modifier(target, subject)
-    modifier.show_viewport = modifier.show_render = False
+    for modifier in _modifiers(target, subject):
+        modifier.show_viewport = modifier.show_render = False
 
 
 def _show_in_viewport(target: bpy.types.Object, subject: str, kind: str) -> None:
@@ -79,7 +104,11 @@ def _no_envelope_multiply(target: bpy.types.Object, subject: str, kind: str) -> 
 
 
 def _same_in_renders(target: bpy.types.Object, subject: str, kind: str) -> None:
-    modifier = _modifier(target, subject)
+    for modifier in _modifiers(target, subject):
+        _show_alike(modifier)
+
+
+def _show_alike(modifier: bpy.types.Modifier) -> None:
     modifier.show_render = modifier.show_viewport
     if modifier.type == "SCREW":
         modifier.render_steps = modifier.steps
@@ -117,10 +146,11 @@ def _recalculate_outside(target: bpy.types.Object, subject: str, kind: str) -> N
 
 
 def _larger_size(target: bpy.types.Object, subject: str, kind: str) -> None:
-    joint = target.turgor.joints.get(subject)
-    if joint is None:
-        raise FixError(message("There is no joint {joint} any more", joint=subject))
-    joint.size *= LARGER
+    for name in subject.splitlines():
+        joint = target.turgor.joints.get(name)
+        if joint is None:
+            raise FixError(message("There is no joint {joint} any more", joint=name))
+        joint.size *= LARGER
 
 
 def _clear_group(target: bpy.types.Object, subject: str, kind: str) -> None:
@@ -140,6 +170,12 @@ def _accept(target: bpy.types.Object) -> None:
         binding.bind(target, accept_topology=True)
 
 
+def _modifiers(target: bpy.types.Object, subject: str) -> list[bpy.types.Modifier]:
+    """All that a finding names, in the order of the stack."""
+    named = [_modifier(target, name) for name in subject.splitlines()]
+    return [each for each in target.modifiers if each in named]
+
+
 def _modifier(target: bpy.types.Object, name: str) -> bpy.types.Modifier:
     modifier = target.modifiers.get(name)
     if modifier is None:
@@ -151,6 +187,7 @@ APPLY: dict[str, Callable[[bpy.types.Object, str, str], None]] = {
     "REBIND": _rebind,
     "MOVE_BELOW_ARMATURE": _move_below_armature,
     "MOVE_AFTER": _move_after,
+    "MOVE_BELOW": _move_below,
     "TURN_OFF": _turn_off,
     "SHOW_IN_VIEWPORT": _show_in_viewport,
     "SHOW_IN_RENDERS": _show_in_renders,

@@ -16,9 +16,9 @@ from ..logic import figures
 from ..logic.character_figures import Folds, JointFigures, Timing, VolumeFigures
 from ..logic.finding import Finding
 from ..logic.lazy import Lazy
-from ..scene import frame, settings, shown_mesh
+from ..scene import frame, modifier_inputs, node_group, settings, shown_mesh, stack
 from ..states import VolumeBinding, VolumeState
-from . import engines, findings, spine_frame
+from . import engines, findings, later_findings, spine_frame
 from .guard import guarded
 
 
@@ -129,7 +129,29 @@ def _figures(
     folds = None
     if asked.options.get("repair_folds"):
         folds = Folds(report.folds_found, report.folds_left, len(report.blocked_vertices))
-    return VolumeFigures(found.corrected_deviation, found.skinned_deviation, found.shown_deviation, by_bone, folds)
+    return VolumeFigures(
+        found.corrected_deviation,
+        found.skinned_deviation,
+        found.shown_deviation,
+        by_bone,
+        folds,
+        *_computed(uid, character, report, asked),
+        found.target_volume,
+    )
+
+
+def _computed(
+    uid: int, character: VolumeState, report: turgor.Report, asked: Request
+) -> tuple[NDArray[np.float64] | None, float]:
+    """Volumes that the mesh right after ours should have, (K,), where it shows all of what was computed; its reach."""
+    target = runtime.object_of(uid, character, bpy.data.objects)
+    ours = None if target is None else stack.volume_modifier(target)
+    armature = None if target is None else stack.armature_modifier(target)
+    if ours is None or armature is None or not (ours.show_viewport and armature.show_viewport):
+        return None, 0.0
+    is_whole = modifier_inputs.read_input(ours, node_group.STRENGTH) == 1.0
+    reach = float(np.abs(asked.options["object_from_armature"][:3, 3]).max())
+    return (report.corrected_volumes if is_whole else None), reach
 
 
 def _shown_volumes(uid: int, character: VolumeState, bound: VolumeBinding) -> NDArray[np.float64] | None:
@@ -149,5 +171,6 @@ def _inspect(
         return ()
     names = [bound.bones.names[bone] for bone in bound.body.joint_bones]
     found = findings.of_figures(target, figures, dict(zip(names, strengths.tolist(), strict=True)))
+    found += later_findings.follow(target, character, bound, figures)
     runtime.log_findings(character, target.name, found)
     return found

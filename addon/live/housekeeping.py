@@ -18,12 +18,21 @@ def characters() -> list[bpy.types.Object]:
     return [ob for ob in bpy.data.objects if ob.type == "MESH" and stack.volume_modifier(ob) is not None]
 
 
-def add(target: bpy.types.Object) -> None:
-    """Put the modifier after the Armature and bind. The object has no obstacle and no modifier of ours."""
+def place_for_new(target: bpy.types.Object) -> int:
+    """Where in the stack a new Turgor Volume goes: after the Armature, or the Turgor Spine that changes its skin."""
     armature = stack.armature_modifier(target)
     limb = spine_stack.limb_modifier(target)
     before = spine_stack.spine_modifier(target) if limb == armature else armature
-    place = list(target.modifiers).index(before) + 1
+    return list(target.modifiers).index(before) + 1
+
+
+def add(target: bpy.types.Object) -> None:
+    """Put the modifier after the Armature and bind. The object has no obstacle and no modifier of ours.
+
+    Raises modifier_places.PlaceError, and has added nothing.
+    """
+    armature = stack.armature_modifier(target)
+    place = place_for_new(target)
     ours = stack.add_own_modifier(target, node_group.VOLUME, place, show_in_editmode=armature.show_in_editmode)
     saved = target.turgor
     saved.version = DATA_VERSION

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 import bpy
 import numpy as np
@@ -12,8 +13,9 @@ from numpy.typing import NDArray
 from .. import runtime
 from ..logic import figures
 from ..logic.character_figures import Motion
+from ..scene import stack
 from ..states import VolumeBinding
-from . import sampling
+from . import sampling, stack_measures
 from .binding_rules import is_editable
 from .sampling import Sample
 
@@ -24,10 +26,12 @@ def measure(
     *,
     tell: Callable[[int], None] = lambda done: None,
     use_test_motion: bool = True,
+    is_evaluated: bool = False,
 ) -> Motion:
     """Measure a character at these frames; keep figures for a graph and the largest loss of each joint.
 
-    tell: is told how many frames are done.
+    tell: is told how many frames are done; with `is_evaluated` twice as many. is_evaluated: also measure the mesh that
+    Blender makes of each frame, which takes as long as Blender takes.
 
     use_test_motion: where nothing moves in these frames, a test range of motion is measured instead.
 
@@ -39,6 +43,8 @@ def measure(
     found = _motion(bound, samples, numbers)
     if use_test_motion and not samples.has_moved:
         found = _motion(bound, sampling.turned(target, bound), None)
+    elif is_evaluated:
+        found = _evaluated(target, bound, found, frames, tell)
     runtime.character(target.session_uid).motion = found
     if is_editable(target):
         peaks = np.abs(found.joint_losses).max(axis=0, initial=0.0)
@@ -47,9 +53,23 @@ def measure(
     return found
 
 
+def _evaluated(
+    target: bpy.types.Object,
+    bound: VolumeBinding,
+    motion: Motion,
+    frames: Sequence[float],
+    tell: Callable[[int], None],
+) -> Motion:
+    ours = stack.volume_modifier(target)
+    count = len(frames)
+    seen = stack_measures.volumes(target, ours, bound.body.mesh, frames, lambda done: tell(count + done))
+    measured, final = (stack_measures.deviations(each, motion.targets) for each in seen)
+    return replace(motion, measured_deviations=measured, final_deviations=final)
+
+
 def _motion(bound: VolumeBinding, samples: Iterable[Sample], frames: NDArray[np.float64] | None) -> Motion:
     names = tuple(bound.bones.names[bone] for bone in bound.body.joint_bones)
-    found = [figures.MotionFigures(np.zeros(0), np.zeros(0), np.zeros((0, len(names))))]
+    found = [figures.MotionFigures(np.zeros(0), np.zeros(0), np.zeros((0, len(names))), np.zeros(0))]
     folds = [np.zeros((1, len(names)))]
     for batch in sampling.batches(samples):
         matrices = np.stack([sample.object_from_armature for sample in batch])
@@ -58,9 +78,9 @@ def _motion(bound: VolumeBinding, samples: Iterable[Sample], frames: NDArray[np.
         measures = _one(batch[0], bound) if first.added_offsets is not None else _many(batch, matrices, scales)
         found.append(figures.motion_figures(measures, bound.body.rest_volume, first.strengths, scales))
         folds.append(figures.fold_losses(measures.joint_losses, first.engine.joint_lengths, matrices))
-    corrected, skinned, lost = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    corrected, skinned, lost, targets = (np.concatenate(parts) for parts in zip(*found, strict=True))
     peak_folds = np.concatenate(folds).max(axis=0)
-    return Motion(frames, corrected, skinned, names, lost, dict(zip(names, peak_folds.tolist(), strict=True)))
+    return Motion(frames, corrected, skinned, targets, names, lost, dict(zip(names, peak_folds.tolist(), strict=True)))
 
 
 def _many(batch: Sequence[Sample], matrices: NDArray[np.float64], scales: NDArray[np.float64]) -> turgor.Measures:

@@ -24,6 +24,13 @@ def write_all(depsgraph: bpy.types.Depsgraph) -> None:
                 _write(holder, evaluated)
 
 
+def settle(depsgraph: bpy.types.Depsgraph) -> None:
+    """Make what was evaluated in a scene that is not the artist's final: handlers write no offsets there."""
+    if runtime.session.route == "PUSH":
+        write_all(depsgraph)
+        depsgraph.update()
+
+
 def clear_all() -> None:
     """Zero the carriers: what is saved shows plain skinning without the extension."""
     for holder in carrier.carriers():

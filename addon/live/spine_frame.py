@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from .. import runtime
 from ..logic import courses, flesh, sketch, splines
 from ..logic.character_figures import SpineFigures, Timing
+from ..logic.finding import Finding
 from ..logic.lazy import Lazy
 from ..messages import message
 from ..scene import (
@@ -27,7 +28,7 @@ from ..scene import (
     spine_stack,
 )
 from ..states import SpineBinding, SpineState
-from . import findings
+from . import findings, measured
 from .guard import guarded
 
 
@@ -106,8 +107,9 @@ def _flesh(target: bpy.types.Object, state: SpineState, bound: SpineBinding, add
         state.name = target.name
         world = np.array(target.matrix_world, np.float64)
         body, pose = found.body, found.pose
-        state.measure = measure = Lazy(lambda: _figures(outcome))
-        state.inspect = Lazy(lambda: findings.of_spine_figures(measure()))
+        uid = target.original.session_uid
+        state.measure = measure = Lazy(lambda: _figures(uid, state, bound, outcome))
+        state.inspect = Lazy(lambda: _inspect(uid, state, bound, measure()))
         state.sketch = Lazy(lambda: sketch.draw(body, pose, outcome.offsets, world))
         state.local_error = Lazy(lambda: sketch.local_error(body, pose))
         state.timing = Timing(1e3 * (ready - started), 1e3 * (done - ready), 1e3 * (perf_counter() - done))
@@ -219,10 +221,19 @@ def _chain(place: NDArray[np.float64], matrices: NDArray[np.float64], tail: NDAr
     return courses.chain_of(place @ matrices, place[:3, :3] @ tail + place[:3, 3])
 
 
-def _figures(outcome: flesh.Outcome) -> SpineFigures:
+def _figures(uid: int, state: SpineState, bound: SpineBinding, outcome: flesh.Outcome) -> SpineFigures:
+    """Figures of a frame. Called on the main thread when a panel is drawn, after the viewport's mesh was evaluated."""
     count, clamped = len(outcome.offsets), outcome.clamped_count
     volumes = None if outcome.volumes is None else outcome.volumes()
     if volumes is None or volumes.rest == 0.0:
         return SpineFigures(count, clamped, None, None)
     fleshed, kept = (100.0 * (volume / volumes.rest - 1.0) for volume in volumes[1:])
-    return SpineFigures(count, clamped, fleshed, kept)
+    shown = measured.spine_volumes(runtime.object_of(uid, state, bpy.data.objects), bound)
+    deviation = None if shown is None else 100.0 * (float(np.abs(shown).sum()) / volumes.rest - 1.0)
+    return SpineFigures(count, clamped, fleshed, kept, deviation)
+
+
+def _inspect(uid: int, state: SpineState, bound: SpineBinding, figures: SpineFigures) -> tuple[Finding, ...]:
+    target = runtime.object_of(uid, state, bpy.data.objects)
+    found = findings.of_spine_figures(figures)
+    return found if target is None else (*found, *measured.of_spine(target, bound, figures))

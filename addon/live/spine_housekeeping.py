@@ -18,7 +18,10 @@ def bodies() -> list[bpy.types.Object]:
 
 
 def add(target: bpy.types.Object) -> None:
-    """Put the modifier into the stack and bind; its spine is chosen, or the panel asks for one."""
+    """Put the modifier into the stack and bind; its spine is chosen, or the panel asks for one.
+
+    Raises modifier_places.PlaceError, and has added nothing.
+    """
     saved = target.turgor_spine
     place = spine_stack.place_for_new(target, saved.rig if saved.source == "BONES" else None)
     stack.add_own_modifier(target, node_group.SPINE, place, show_in_editmode=True)

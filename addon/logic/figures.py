@@ -18,6 +18,7 @@ class FrameFigures(NamedTuple):
     lost: list[float]  # (J,)
     regained: list[float]  # (J,)
     is_capped: list[bool]  # (J,)
+    target_volume: float  # at full strength
 
 
 def frame_figures(
@@ -43,6 +44,7 @@ def frame_figures(
         (report.joint_losses * percent).tolist(),
         (report.joint_regained * percent).tolist(),
         report.joint_is_capped.tolist(),
+        float(target),
     )
 
 
@@ -56,6 +58,7 @@ class MotionFigures(NamedTuple):
     corrected_deviations: NDArray[np.float64]  # (F,)
     skinned_deviations: NDArray[np.float64]  # (F,)
     lost: NDArray[np.float64]  # (F, J)
+    targets: NDArray[np.float64]  # (F,) volumes at full strength
 
 
 def motion_figures(
@@ -72,6 +75,7 @@ def motion_figures(
         _deviations(_sizes(measures.corrected_volumes), target),
         _deviations(_sizes(measures.skinned_volumes), target),
         np.atleast_2d(measures.joint_losses) * percent,
+        target,
     )
 
 

@@ -16,7 +16,7 @@ class Finding:
     severity: str  # of SEVERITIES
     text: str  # a sentence for the artist: what was found, what to do
     fix: str = ""  # of properties.fixes; empty where there is none
-    subject: str = ""  # what the fix changes: name of a modifier, bone or vertex group
+    subject: str = ""  # what the fix changes: names of modifiers, joints or a vertex group, one per line
     refusal: str = ""  # why the fix cannot be applied here
 
     @property

@@ -79,6 +79,11 @@ class Flesh:
         return len(self._positions)
 
     @property
+    def mesh(self) -> turgor.Mesh | None:
+        """The mesh whose volume is kept; None of a limb."""
+        return None if self._skin is None else self._skin.mesh
+
+    @property
     def shape_count(self) -> int:
         """Shape keys without the reference."""
         return len(self._shape_deltas)

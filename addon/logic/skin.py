@@ -36,6 +36,11 @@ class Skin:
         body = turgor.VolumeSkin(self._mesh, still, shape_deltas=deltas)
         self._body = body if (influence == 1.0).all() else body.with_mask(influence.astype(np.float32))
 
+    @property
+    def mesh(self) -> turgor.Mesh:
+        """The mesh that was bound."""
+        return self._mesh
+
     def keep(self, offsets: NDArray[np.float32], shape_values: NDArray[np.float32]) -> Volumes:
         """Adds to `offsets`, (N, 3), what each shell misses, evenly over the skin that may move."""
         correction = np.empty_like(offsets)

@@ -7,8 +7,8 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import runtime
 from ..live import housekeeping, measuring, push, route, sampling
-from ..messages import message, translated
-from ..scene import obstacles, stack
+from ..messages import message, of_error, translated
+from ..scene import modifier_places, node_group, obstacles, stack
 from .polling import in_edit_mode, is_allowed, linked
 
 
@@ -36,12 +36,10 @@ class OBJECT_OT_turgor_volume_add(bpy.types.Operator):
             for ob in sorted({context.object, *context.selected_objects} - {None}, key=lambda ob: ob.name):
                 if ob.type != "MESH":
                     continue
-                reason = _refusal(ob)
+                reason = _refusal(ob) or _add(ob)
                 if reason is None:
-                    housekeeping.add(ob)
-                    reason = runtime.character(ob.session_uid).problem
                     added.append(ob)
-                if reason is not None:
+                else:
                     self.report({"WARNING"}, f"{ob.name}: {translated(reason, rpt_)}")
             depsgraph = context.evaluated_depsgraph_get()
             if runtime.session.route == "PUSH":
@@ -66,13 +64,25 @@ def _look_over(scene: bpy.types.Scene, ob: bpy.types.Object) -> None:
     housekeeping.choose_joint(ob)
 
 
+def _add(ob: bpy.types.Object) -> str | None:
+    """Why nothing was added; None where Turgor Volume keeps the volume now."""
+    try:
+        housekeeping.add(ob)
+    except modifier_places.PlaceError as error:
+        return of_error(error)
+    problem = runtime.character(ob.session_uid).problem
+    if problem is not None:
+        housekeeping.remove(ob)
+    return problem
+
+
 def _refusal(ob: bpy.types.Object) -> str | None:
     reason = linked(ob)
     if reason is None and stack.volume_modifier(ob) is not None:
         reason = message("The object has Turgor Volume already")
     if reason is None and (found := obstacles.obstacle(ob)) is not None:
         reason = found.text
-    return reason
+    return reason or modifier_places.refusal(ob, housekeeping.place_for_new(ob), node_group.VOLUME.label)
 
 
 def draw(menu: bpy.types.Menu, context: bpy.types.Context) -> None:

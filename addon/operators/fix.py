@@ -10,7 +10,7 @@ from bpy.props import EnumProperty, StringProperty
 from ..live import fixes, refusals
 from ..messages import of_error, translated
 from ..properties.fixes import DESCRIPTIONS, FIXES
-from ..scene import spine_stack, stack
+from ..scene import modifier_places, spine_stack, stack
 from .polling import in_edit_mode, is_allowed, linked
 
 HIDDEN = {"HIDDEN", "SKIP_SAVE"}
@@ -50,7 +50,7 @@ class OBJECT_OT_turgor_volume_fix(bpy.types.Operator):
             return {"CANCELLED"}
         try:
             fixes.apply(context.object, self.fix, self.subject, self.kind)
-        except fixes.FixError as error:
+        except (fixes.FixError, modifier_places.PlaceError) as error:
             self.report({"WARNING"}, translated(of_error(error), rpt_))
             return {"CANCELLED"}
         return {"FINISHED"}

@@ -7,7 +7,7 @@ from bpy.app.translations import pgettext_data as data_
 from bpy.props import EnumProperty
 
 from ..messages import message
-from .polling import is_allowed, linked, linked_mesh, without_volume
+from .polling import hidden, is_allowed, linked, linked_mesh, without_volume
 
 MASKS = (
     ("vertex_group", "Mask", "Where volume may come back"),
@@ -36,7 +36,7 @@ class OBJECT_OT_turgor_mask_paint(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         ob = context.object
         elsewhere = message("The mesh is linked: paint it in its own file")
-        return is_allowed(cls, without_volume(ob) or linked(ob) or linked_mesh(ob, elsewhere))
+        return is_allowed(cls, without_volume(ob) or linked(ob) or linked_mesh(ob, elsewhere) or hidden(ob))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         ob = context.object

@@ -26,8 +26,8 @@ class OBJECT_OT_turgor_volume_measure(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         frames = sampling.scene_frames(context.scene)
         try:
-            with progress_shown(context, len(frames)) as tell:
-                motion = measuring.measure(character_of(context), frames, tell=tell)
+            with progress_shown(context, 2 * len(frames)) as tell:
+                motion = measuring.measure(character_of(context), frames, tell=tell, is_evaluated=True)
         except ValueError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

@@ -31,6 +31,11 @@ def linked_mesh(ob: bpy.types.Object, reason: str) -> str | None:
     return None if ob.data.library is None else reason
 
 
+def hidden(ob: bpy.types.Object) -> str | None:
+    """A reason where the object is hidden: Blender lets nobody edit or paint it."""
+    return None if ob.visible_get() else message("The object is hidden: show it first")
+
+
 def without_volume(ob: bpy.types.Object | None) -> str | None:
     """A reason where there is no mesh with Turgor Volume."""
     has_volume = ob is not None and ob.type == "MESH" and stack.volume_modifier(ob) is not None

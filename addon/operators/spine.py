@@ -7,9 +7,9 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import runtime
 from ..live import push, route, spine_binding, spine_housekeeping
-from ..messages import message, translated
+from ..messages import message, of_error, translated
 from ..properties.spine import DATA_VERSION
-from ..scene import spine_chain, spine_stack
+from ..scene import modifier_places, spine_chain, spine_stack
 from .polling import in_edit_mode, is_allowed, linked
 
 
@@ -35,7 +35,12 @@ class OBJECT_OT_turgor_spine_add(bpy.types.Operator):
         with runtime.quiet():
             route.choose()
             _choose_spine(context, body)
-            spine_housekeeping.add(body)
+            try:
+                spine_housekeeping.add(body)
+            except modifier_places.PlaceError as error:
+                spine_housekeeping.forget_settings(body)
+                self.report({"WARNING"}, f"{body.name}: {translated(of_error(error), rpt_)}")
+                return {"CANCELLED"}
             depsgraph = context.evaluated_depsgraph_get()
             if runtime.session.route == "PUSH":
                 push.write_all(depsgraph)

@@ -49,7 +49,8 @@ def draw(context: bpy.types.Context, ob: bpy.types.Object, character: VolumeStat
     else:
         _draw_motion(context, motion, motion.frames, character.figures, plot)
         end = text.write(title, plot.left, frame.top + 0.3 * unit, (*WHITE, 1.0))
-        end = text.write(iface_("with Turgor"), end + unit, frame.top + 0.3 * unit, CORRECTED_COLOR)
+        label = iface_("with Turgor") if motion.is_measured else iface_("with Turgor, computed")
+        end = text.write(label, end + unit, frame.top + 0.3 * unit, CORRECTED_COLOR)
         text.write(iface_("without Turgor"), end + unit, frame.top + 0.3 * unit, SKINNED_COLOR)
     gpu.state.blend_set("NONE")
 
@@ -68,7 +69,7 @@ def _draw_motion(
         else (scene.frame_start, scene.frame_end)
     )
     last = max(last, first + 1)
-    values = np.concatenate([motion.corrected_deviations, motion.skinned_deviations])
+    values = np.concatenate([motion.seen_deviations, motion.skinned_deviations])
     low, high = min(float(values.min()), 0.0), max(float(values.max()), 0.0)
     if high - low < LEAST_RANGE:
         low, high = low - 0.5 * LEAST_RANGE, high + 0.5 * LEAST_RANGE
@@ -85,13 +86,14 @@ def _draw_motion(
     inside = (frames >= first) & (frames <= last)
     pairs = (
         (motion.skinned_deviations, SKINNED_COLOR, SKINNED_WIDTH),
-        (motion.corrected_deviations, CORRECTED_COLOR, CORRECTED_WIDTH),
+        (motion.seen_deviations, CORRECTED_COLOR, CORRECTED_WIDTH),
     )
     for percents, color, width in pairs:
         _line(place(frames[inside], percents[inside]), color, width)
     if figures is not None and first <= now <= last:
         _points(place(now, np.clip([figures.skinned_deviation], low, high)), SKINNED_COLOR)
-        _points(place(now, np.clip([figures.corrected_deviation], low, high)), CORRECTED_COLOR)
+        seen = figures.corrected_deviation if figures.shown_deviation is None else figures.shown_deviation
+        _points(place(now, np.clip([seen], low, high)), CORRECTED_COLOR)
     _label(plot, place, (low, 0.0, high), (first, now, last))
 
 

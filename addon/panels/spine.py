@@ -83,7 +83,9 @@ def _draw_readout(layout: bpy.types.UILayout, ob: bpy.types.Object, state: Spine
     if figures.kept_deviation is not None:
         line = column.row()
         line.alignment = "CENTER"
-        error = volume_error(figures.kept_deviation)
+        computed = volume_error(figures.kept_deviation)
+        measured = figures.shown_deviation
+        error = iface_("{error}, computed").format(error=computed) if measured is None else volume_error(measured)
         line.label(text=iface_("Volume error {error}").format(error=error), translate=False)
         if figures.fleshed_deviation != figures.kept_deviation:
             line = column.row()

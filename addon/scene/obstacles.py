@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import bpy
 
 from ..messages import Message, message
 from . import node_group, stack
+from .gathered import gathered
 
 # What renders show where they cannot show ours.
 PLAIN_SKINNING = message("plain skinning")
@@ -20,7 +22,7 @@ class Obstacle(NamedTuple):
     id: str
     text: str
     fix: str = ""
-    subject: str = ""  # name of a modifier
+    subject: str = ""  # names of modifiers, one per line
 
 
 def obstacle(ob: bpy.types.Object) -> Obstacle | None:
@@ -30,8 +32,8 @@ def obstacle(ob: bpy.types.Object) -> Obstacle | None:
         return (
             armature_obstacle(ob, armature)
             or _rig_obstacle(ob, armature)
-            or _earlier_obstacle(ob, armature)
-            or _later_obstacle(ob, armature)
+            or gathered(_earlier_obstacles(ob, armature))
+            or gathered(_later_obstacles(ob, armature))
         )
     if stack.volume_modifier(ob) is not None:
         text = "No Armature modifier right before Turgor Volume: move Turgor Volume directly below it"
@@ -47,15 +49,18 @@ def render_difference(
     ob: bpy.types.Object, end: bpy.types.Modifier | None, shown: Message = PLAIN_SKINNING
 ) -> Obstacle | None:
     """What makes the stack before `end` another mesh in renders, where then only `shown` is seen."""
-    if end is None:
-        return None
+    return None if end is None else gathered(_render_differences(ob, end, shown))
+
+
+def _render_differences(ob: bpy.types.Object, end: bpy.types.Modifier, shown: Message) -> Iterator[Obstacle]:
     for modifier in stack.modifiers_before(ob, end):
         name = modifier.name
         if modifier.show_viewport != modifier.show_render:
             text = message(
                 "{modifier} is on in the viewport or in renders only: renders show {shown}", modifier=name, shown=shown
             )
-            return Obstacle("render_switch", text, "SAME_IN_RENDERS", name)
+            yield Obstacle("render_switch", text, "SAME_IN_RENDERS", name)
+            continue
         in_viewport, in_render = detail(modifier)
         if in_viewport != in_render:
             text = message(
@@ -66,15 +71,14 @@ def render_difference(
                 in_viewport=in_viewport,
                 shown=shown,
             )
-            return Obstacle("render_levels", text, "SAME_IN_RENDERS", name)
+            yield Obstacle("render_levels", text, "SAME_IN_RENDERS", name)
         if modifier.type == "NODES" and stack.has_node(modifier.node_group, VIEWPORT_NODES):
-            return Obstacle(
+            yield Obstacle(
                 "render_nodes",
                 message(
                     "{modifier} asks whether it is in the viewport: renders show {shown}", modifier=name, shown=shown
                 ),
             )
-    return None
 
 
 def detail(modifier: bpy.types.Modifier) -> tuple[int, int]:
@@ -125,7 +129,7 @@ def _rig_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) ->
     return None
 
 
-def _earlier_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> Obstacle | None:
+def _earlier_obstacles(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> Iterator[Obstacle]:
     has_shape_keys = ob.data.shape_keys is not None
     for modifier in stack.modifiers_before(ob, armature):
         name = modifier.name
@@ -135,29 +139,27 @@ def _earlier_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier
                 modifier=name,
                 armature=armature.name,
             )
-            return Obstacle("second_armature", text, "TURN_OFF", name)
-        if stack.moves(modifier):
+            yield Obstacle("second_armature", text, "TURN_OFF", name)
+        elif stack.moves(modifier):
             text = message(
                 "{modifier} can move the mesh before the Armature: move it after Turgor Volume", modifier=name
             )
-            return Obstacle("moving_modifier", text, "MOVE_AFTER", name)
-        if stack.is_animated(ob, modifier):
+            yield Obstacle("moving_modifier", text, "MOVE_AFTER", name)
+        elif stack.is_animated(ob, modifier):
             text = message("{modifier} is animated before the Armature: move it after Turgor Volume", modifier=name)
-            return Obstacle("moving_modifier", text, "MOVE_AFTER", name)
-        if has_shape_keys and modifier.type not in stack.LINEAR_TYPES:
+            yield Obstacle("moving_modifier", text, "MOVE_AFTER", name)
+        elif has_shape_keys and modifier.type not in stack.LINEAR_TYPES:
             text = message(
                 "{modifier} changes shape keys before the Armature: apply it, or move it after Turgor Volume",
                 modifier=name,
             )
-            return Obstacle("shape_key_modifier", text, "MOVE_AFTER", name)
-    return None
+            yield Obstacle("shape_key_modifier", text, "MOVE_AFTER", name)
 
 
-def _later_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> Obstacle | None:
+def _later_obstacles(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> Iterator[Obstacle]:
     for modifier in stack.later_armatures(ob, armature):
         text = message(
             "{modifier} deforms again after Turgor Volume: only one Armature is supported, turn one off",
             modifier=modifier.name,
         )
-        return Obstacle("second_armature", text, "TURN_OFF", modifier.name)
-    return None
+        yield Obstacle("second_armature", text, "TURN_OFF", modifier.name)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import bpy
 
 from ..messages import message
 from . import node_group, obstacles, skeleton, spine_chain, spine_curve, stack
+from .gathered import gathered
 from .obstacles import Obstacle
 
 # Before these it is put into a new stack: they move the mesh, or make another one in renders.
@@ -57,14 +60,21 @@ def rest_end(ob: bpy.types.Object) -> bpy.types.Modifier | None:
 
 def place_for_new(ob: bpy.types.Object, rig: bpy.types.Object | None) -> int:
     """Where in the stack a new Turgor Spine goes: after the Armature of its own bones, else before all that moves."""
-    for index, modifier in enumerate(ob.modifiers):
+    modifiers = list(ob.modifiers)
+    for index, modifier in enumerate(modifiers):
         if modifier.type == "ARMATURE" and modifier.object is not None and modifier.object == rig:
             return index + 1
-        if modifier.type in LATER_TYPES or node_group.is_of_kind(
-            getattr(modifier, "node_group", None), node_group.VOLUME
-        ):
-            return index
-    return len(ob.modifiers)
+    place = next((index for index, each in enumerate(modifiers) if _stands_later(each)), len(modifiers))
+    # Blender lets nothing of ours stand before a Multires; after it is as good where nothing between moves.
+    levels = [index for index, each in enumerate(modifiers) if each.type == "MULTIRES"]
+    if levels and all(each.type in {"SUBSURF", "MULTIRES"} for each in modifiers[place : levels[-1] + 1]):
+        place = max(place, levels[-1] + 1)
+    return place
+
+
+def _stands_later(modifier: bpy.types.Modifier) -> bool:
+    group = getattr(modifier, "node_group", None)
+    return modifier.type in LATER_TYPES or node_group.is_of_kind(group, node_group.VOLUME)
 
 
 def obstacle(ob: bpy.types.Object) -> Obstacle | None:
@@ -80,10 +90,10 @@ def obstacle(ob: bpy.types.Object) -> Obstacle | None:
         return None
     limb = limb_modifier(ob)
     found = None if limb is None else obstacles.armature_obstacle(ob, limb)
-    return found or _earlier_obstacle(ob, limb or ours)
+    return found or gathered(_earlier_obstacles(ob, limb or ours))
 
 
-def _earlier_obstacle(ob: bpy.types.Object, end: bpy.types.Modifier) -> Obstacle | None:
+def _earlier_obstacles(ob: bpy.types.Object, end: bpy.types.Modifier) -> Iterator[Obstacle]:
     has_shape_keys = ob.data.shape_keys is not None
     for modifier in stack.modifiers_before(ob, end):
         name = modifier.name
@@ -91,19 +101,18 @@ def _earlier_obstacle(ob: bpy.types.Object, end: bpy.types.Modifier) -> Obstacle
             text = message(
                 "{modifier} deforms the body before Turgor Spine: move it below, or flesh its own bones", modifier=name
             )
-            return Obstacle("second_armature", text, "MOVE_AFTER", name)
-        if stack.moves(modifier):
+            yield Obstacle("second_armature", text, "MOVE_AFTER", name)
+        elif stack.moves(modifier):
             text = message("{modifier} can move the body before Turgor Spine: move it below", modifier=name)
-            return Obstacle("moving_modifier", text, "MOVE_AFTER", name)
-        if stack.is_animated(ob, modifier):
+            yield Obstacle("moving_modifier", text, "MOVE_AFTER", name)
+        elif stack.is_animated(ob, modifier):
             text = message("{modifier} is animated before Turgor Spine: move it below", modifier=name)
-            return Obstacle("moving_modifier", text, "MOVE_AFTER", name)
-        if has_shape_keys and modifier.type not in stack.LINEAR_TYPES:
+            yield Obstacle("moving_modifier", text, "MOVE_AFTER", name)
+        elif has_shape_keys and modifier.type not in stack.LINEAR_TYPES:
             text = message(
                 "{modifier} changes shape keys before Turgor Spine: apply it, or move it below", modifier=name
             )
-            return Obstacle("shape_key_modifier", text, "MOVE_AFTER", name)
-    return None
+            yield Obstacle("shape_key_modifier", text, "MOVE_AFTER", name)
 
 
 def chosen(saved: bpy.types.PropertyGroup) -> tuple[object, ...]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import bpy
 
-from . import modifier_inputs, node_group, skeleton
+from . import modifier_inputs, modifier_places, node_group, skeleton
 
 # They shape the mesh by something that may move or that only exists while playing: what stands before the Armature
 # must be the same on every frame.
@@ -39,9 +39,16 @@ def own_modifier(ob: bpy.types.Object, kind: node_group.Kind) -> bpy.types.Nodes
 def add_own_modifier(
     ob: bpy.types.Object, kind: node_group.Kind, place: int, *, show_in_editmode: bool
 ) -> bpy.types.NodesModifier:
-    """A new modifier of this kind at a place of the stack, without Blender's own panel of settings."""
+    """A new modifier of this kind at a place of the stack, without Blender's own panel of settings.
+
+    Raises modifier_places.PlaceError, and has added nothing.
+    """
     ours = ob.modifiers.new(kind.label, "NODES")
-    ob.modifiers.move(len(ob.modifiers) - 1, place)
+    try:
+        modifier_places.put(ob, ours, place)
+    except modifier_places.PlaceError:
+        ob.modifiers.remove(ours)
+        raise
     ours.node_group = node_group.ensure(kind)
     ours.show_in_editmode = show_in_editmode
     ours.show_group_selector = False

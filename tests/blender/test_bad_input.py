@@ -272,7 +272,7 @@ def test_nothing_is_added_without_an_armature():
     assert not bpy.ops.object.turgor_volume_add.poll()
 
 
-def test_mesh_without_vertices(route, runtime):
+def test_mesh_without_vertices(route, runtime, warnings_logged):
     ob, rig = character()
     empty = bpy.data.objects.new("Empty", bpy.data.meshes.new("Empty"))
     bpy.context.scene.collection.objects.link(empty)
@@ -280,7 +280,8 @@ def test_mesh_without_vertices(route, runtime):
     empty.modifiers.new("Armature", "ARMATURE").object = rig
     add_turgor(ob, empty)
     _play()
-    assert "no vertices" in runtime.character(empty.session_uid).problem
+    assert [modifier.name for modifier in empty.modifiers] == ["Armature"]
+    assert len([line for line in warnings_logged() if "no vertices" in line]) == 1
     assert runtime.character(ob.session_uid).problem is None
 
 

@@ -136,6 +136,70 @@ def test_harm_is_found_mended_by_its_button_and_found_again_after_undo(route, ru
     assert np.abs(positions(ob) - harmed).max() < 1e-6
 
 
+def _several_that_move(ob, rig):
+    for kind in ("WAVE", "SHRINKWRAP", "LATTICE", "WARP"):
+        ob.modifiers.new(kind, kind)
+        ob.modifiers.move(len(ob.modifiers) - 1, 0)
+
+
+def _several_armatures(ob, rig):
+    for number in range(3):
+        ob.modifiers.new(f"More {number}", "ARMATURE").object = rig
+
+
+def _several_other_levels(ob, rig):
+    for name in ("One", "Two"):
+        simple = ob.modifiers.new(name, "SUBSURF")
+        simple.subdivision_type, simple.levels, simple.render_levels = "SIMPLE", 0, 2
+        ob.modifiers.move(len(ob.modifiers) - 1, 0)
+
+
+def _several_switches(ob, rig):
+    for name in ("One", "Two"):
+        ob.modifiers.new(name, "TRIANGULATE").show_viewport = False
+        ob.modifiers.move(len(ob.modifiers) - 1, 0)
+
+
+def _several_that_change_keys(ob, rig):
+    for name in ("Basis", "Other"):
+        ob.shape_key_add(name=name)
+    for kind in ("SOLIDIFY", "DISPLACE"):
+        ob.modifiers.new(kind, kind)
+        ob.modifiers.move(len(ob.modifiers) - 1, 0)
+
+
+@pytest.mark.parametrize(
+    ("harm", "name", "count"),
+    [
+        (_several_that_move, "moving_modifier", 4),
+        (_several_armatures, "second_armature", 3),
+        (_several_other_levels, "render_levels", 2),
+        (_several_switches, "render_switch", 2),
+        (_several_that_change_keys, "shape_key_modifier", 2),
+    ],
+    ids=lambda value: getattr(value, "__name__", None),
+)
+def test_several_of_a_kind_are_one_finding_with_one_button(runtime, harm, name, count):
+    ob, rig = character()
+    add_turgor(ob)
+    harm(ob, rig)
+    order = [modifier.name for modifier in ob.modifiers]
+    _settle(ob)
+    alike = [each for each in runtime.character(ob.session_uid).findings if each.id == name]
+    assert len(alike) == 1
+    assert str(count) in alike[0].text
+    subjects = alike[0].subject.splitlines()
+    assert len(subjects) == count
+    assert all(subject in alike[0].text for subject in subjects[:3])
+    _press(ob, alike[0])
+    _settle(ob)
+    assert _found(runtime, ob, name) is None
+    assert runtime.character(ob.session_uid).problem is None
+    if alike[0].fix == "MOVE_AFTER":
+        moved = [modifier.name for modifier in ob.modifiers]
+        assert [each for each in moved if each in subjects] == [each for each in order if each in subjects]
+
+
 def test_a_healthy_character_has_no_finding(runtime):
     ob, _ = character()
     add_turgor(ob)
@@ -227,10 +291,12 @@ def test_a_joint_out_of_room_gets_more(route, runtime):
     _settle(ob, 20)
     presses = 0
     while (found := _found(runtime, ob, "capped")) is not None:
-        size = ob.turgor.joints[found.subject].size
+        names = found.subject.splitlines()
+        sizes = {joint.name: joint.size for joint in ob.turgor.joints}
         _press(ob, found)
         _settle(ob, 20)
-        assert ob.turgor.joints[found.subject].size == pytest.approx(1.5 * size)
+        larger = {name: size * (1.5 if name in names else 1.0) for name, size in sizes.items()}
+        assert {joint.name: joint.size for joint in ob.turgor.joints} == pytest.approx(larger)
         presses += 1
     assert 2 <= presses < 9
 
