@@ -11,6 +11,7 @@ from ..logic.character_figures import SpineFigures, VolumeFigures
 from ..logic.shells import Shells
 from ..messages import message
 from ..messages import of_error as message_of
+from ..properties.joint_names import label
 from ..runtime import Finding
 from ..scene import modifier_inputs, node_group, spine_stack, stack
 from ..scene.obstacles import Obstacle
@@ -18,7 +19,12 @@ from . import refusals
 from .binding_rules import BindError
 
 # Ids of errors that no obstacle names.
-ERROR_IDS = {"ShapeKeyTopologyError": "shape_key_topology", "PlacementError": "placement", "FrameError": "frame"}
+ERROR_IDS = {
+    "ShapeKeyTopologyError": "shape_key_topology",
+    "PlacementError": "placement",
+    "FrameError": "frame",
+    "PoseError": "frame",
+}
 # A joint that misses less than this many percent of the rest volume is not told.
 NOTABLE_PERCENT = 0.005
 # Joints whose field ran out of room are told one by one up to so many.
@@ -160,7 +166,7 @@ def of_figures(target: bpy.types.Object, figures: VolumeFigures, strengths: dict
         text = message(
             "The strength of joints leaves {percent:+.2f} % of the volume: {joints}",
             percent=figures.corrected_deviation,
-            joints=", ".join(weak[:MOST_JOINTS]) + (", …" if len(weak) > MOST_JOINTS else ""),
+            joints=", ".join(label(name) for name in weak[:MOST_JOINTS]) + (", …" if len(weak) > MOST_JOINTS else ""),
         )
         found.append(finding(target, "INFO", "joint_strength", text))
     if figures.folds is not None and figures.folds.left_count:
@@ -189,7 +195,7 @@ def _of_capped_joints(target: bpy.types.Object, figures: VolumeFigures) -> list[
     for name in capped[:MOST_JOINTS]:
         text = message(
             "{joint} has no room for all of its volume; the rest went to the skin around: give it a larger Size",
-            joint=name,
+            joint=label(name),
         )
         found.append(finding(target, "INFO", "capped", text, "LARGER_SIZE", name))
     if len(capped) > MOST_JOINTS:

@@ -16,10 +16,6 @@ def refusal(target: bpy.types.Object, fix: str, subject: str) -> str:
         return "The object is linked: make a library override first"
     if fix in MESH_FIXES and target.data.library is not None:
         return "The mesh is linked: change it in its own file"
-    if fix == "NO_ENVELOPE_MULTIPLY":
-        armature = target.modifiers.get(subject)
-        if armature is not None and armature.object is not None and armature.object.data.library is not None:
-            return "The armature is linked: change it in its own file"
     if fix in MOVING_FIXES and target.override_library is not None:
         moved = stack.volume_modifier(target) if fix == "MOVE_BELOW_ARMATURE" else target.modifiers.get(subject)
         if moved is not None and moved.is_override_data:

@@ -27,12 +27,7 @@ def obstacle(ob: bpy.types.Object) -> Obstacle | None:
     """Why this object cannot be corrected and what to do; None when it can."""
     armature = stack.armature_modifier(ob)
     if armature is not None:
-        return (
-            armature_obstacle(ob, armature)
-            or _rig_obstacle(ob, armature)
-            or _earlier_obstacle(ob, armature)
-            or _later_obstacle(ob, armature)
-        )
+        return armature_obstacle(ob, armature) or _earlier_obstacle(ob, armature) or _later_obstacle(ob, armature)
     if stack.volume_modifier(ob) is not None:
         text = "No Armature modifier right before Turgor Volume: move Turgor Volume directly below it"
         has_armature = any(modifier.type == "ARMATURE" for modifier in ob.modifiers)
@@ -97,9 +92,6 @@ def armature_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier
     if armature.use_multi_modifier:
         text = message("{modifier} uses Multi Modifier, which blends two armatures: turn it off", modifier=name)
         return Obstacle("multi_modifier", text, "NO_MULTI_MODIFIER", name)
-    if armature.use_bone_envelopes or not armature.use_vertex_groups:
-        text = message("{modifier} deforms by bone envelopes: use vertex groups only", modifier=name)
-        return Obstacle("bone_envelopes", text, "VERTEX_GROUPS_ONLY", name)
     if stack.is_animated(ob, armature, but=stack.FOLLOWED):
         return Obstacle(
             "armature_animated",
@@ -109,19 +101,6 @@ def armature_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier
     if keys is not None and not keys.use_relative:
         text = "Shape keys are absolute: make them Relative in the mesh's properties"
         return Obstacle("absolute_shape_keys", text)
-    return None
-
-
-def _rig_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> Obstacle | None:
-    groups = ob.vertex_groups
-    for bone in armature.object.data.bones:
-        if bone.use_deform and bone.name in groups:
-            if bone.bbone_segments > 1:
-                text = message("Bone {bone} is a bendy bone, not supported yet: set its segments to 1", bone=bone.name)
-                return Obstacle("bendy_bone", text)
-            if bone.use_envelope_multiply:
-                text = message("Bone {bone} multiplies its weights by its envelope: turn that off", bone=bone.name)
-                return Obstacle("envelope_multiply", text, "NO_ENVELOPE_MULTIPLY", armature.name)
     return None
 
 
