@@ -40,6 +40,7 @@ class VolumeBinding(NamedTuple):
     unweighted_count: int  # vertices that no bone holds
     group_names: tuple[str, ...]  # of all vertex groups
     masked_by: tuple[str, bool, str]  # `live.masks.chosen`
+    weighed: NDArray[np.float64] | None  # `placement.corners` where weights depend on where the mesh stands
 
 
 class SpineBinding(NamedTuple):
@@ -51,7 +52,7 @@ class SpineBinding(NamedTuple):
     chain: tuple[str, ...]  # names of its bones; empty for curves
     rest_bones: tuple[NDArray[np.float64], NDArray[np.float64]] | None  # `scene.spine_chain.read_rest`
     rest_curve: SplinePoints | None
-    limb_indices: NDArray[np.int32] | None  # places in the pose of the bones that skin a limb
+    limb_bones: RestBones | None  # those that skin a limb
     chosen: tuple[object, ...]  # `scene.spine_stack.chosen`
 
 

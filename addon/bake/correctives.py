@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..live import joint_names
 from ..logic import inverse_skinning, joint_regions, local_reduction, reduction
-from ..scene import baked_copy, shape_key_writing
+from ..scene import baked_copy, plain_rig, shape_key_writing
 from .baking import Baking, Progress
 from .computing import POSITION_BYTES
 from .options import BakeError
@@ -26,7 +27,12 @@ class Deltas:
     def __init__(self, baking: Baking) -> None:
         source, options = baking.source, baking.options
         self.skin = skin_of(
-            baking.target, source.end, source.rest, influences=options.influences, use_linear=options.use_linear
+            baking.target,
+            source.end,
+            source.rest,
+            source.placement,
+            influences=options.influences,
+            use_linear=options.use_linear,
         )
         self._baking = baking
         self.growth = np.zeros(baking.report.vertex_count)
@@ -125,7 +131,8 @@ def _by_joint(baking: Baking, deltas: Deltas, tolerance: float) -> Generator[Pro
     parts = local_reduction.reduce(deltas.chunks, around, tolerance, deltas.growth)
     for number, found in enumerate(parts):
         shown = local_reduction.within_unit(found) if baking.options.unit_values else found
-        name = baking.target.name if found.region.bone < 0 else bones.names[found.region.bone]
+        row = found.region.bone
+        name = baking.target.name if row < 0 else joint_names.of_region(bones, row)
         for rank, (part, values) in enumerate(zip(shown.keys, shown.values.T, strict=True)):
             key = np.zeros_like(rest)
             key[found.region.vertices] = part
@@ -144,7 +151,10 @@ def make_copy(baking: Baking, skin: PosedSkin) -> None:
     baking.last = armature.name
     if options.use_linear:
         armature.use_deform_preserve_volume = False
-    if options.influences:
+    if skin.is_other:
+        armature.object = plain_rig.make(source.end.object)
+        armature.use_bone_envelopes, armature.use_vertex_groups = False, True
+    if options.influences or skin.is_other:
         names = [name for name, is_deform in zip(skin.bones.names, skin.bones.is_deform, strict=True) if is_deform]
         places = np.cumsum(skin.bones.is_deform) - 1
         weights = skin.weights

@@ -30,6 +30,10 @@ def check(source: object) -> None:
         raise BakeError(
             "Turgor Spine moves bones of this character: pose-driven keys cannot follow it, bake its frames"
         )
+    if source.bends:
+        raise BakeError(
+            "Bendy bones of this character lie by how others are posed: pose-driven keys cannot follow, bake its frames"
+        )
 
 
 def driven(baking: Baking) -> Iterator[Progress]:

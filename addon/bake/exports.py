@@ -18,7 +18,7 @@ from .. import runtime
 from ..logic import frame_range
 from ..logic.bake_report import BakeReport
 from ..messages import message
-from ..scene import baked_copy, export_selection, spine_stack, stack
+from ..scene import baked_copy, export_selection, plain_rig, spine_stack, stack
 from .job import Job
 from .options import BakeError, Options
 
@@ -79,20 +79,24 @@ def _with_keys(target: bpy.types.Object, settings: Settings) -> Iterator[Job]:
         for _ in job.run():
             pass
     copy = job.baked
+    armature = stack.armature_modifier(target)
+    rig = None if armature is None else armature.object
+    rigs = [] if rig is None else [(rig, double, rig.name) for double in plain_rig.doubles_of(copy)]
     try:
         for modifier in [modifier for modifier in copy.modifiers if modifier.type != "ARMATURE"]:
             job.report.notes.append(
                 message("{modifier} is not in the file: with it shape keys would be lost", modifier=modifier.name)
             )
             copy.modifiers.remove(modifier)
-        for own, other, kept in ((target, copy, name), (target.data, copy.data, mesh_name)):
+        for own, other, kept in ((target, copy, name), (target.data, copy.data, mesh_name), *rigs):
             if own.library is None:
                 own.name = f"{kept} Live"
                 other.name = kept
         yield job
     finally:
+        owns = [(target, name), (target.data, mesh_name), *((rig, kept) for rig, _, kept in rigs)]
         baked_copy.discard(copy)
-        for own, kept in ((target, name), (target.data, mesh_name)):
+        for own, kept in owns:
             if own.library is None:
                 own.name = kept
 

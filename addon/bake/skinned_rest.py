@@ -8,15 +8,17 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..live import skin
 from ..logic import inverse_skinning, weights
-from ..scene import rest, skeleton
+from ..scene import frame, rest, skeleton
 from .options import BakeError
 
 
 class Posed(NamedTuple):
     """One frame of an armature."""
 
-    matrices: NDArray[np.float32]  # (B, 4, 4) pose @ inverse(rest) of `skeleton.read_bones`
+    matrices: NDArray[np.float32]  # (R, 4, 4) `skeleton.read_pose` of the bound bones
+    plain: NDArray[np.float32]  # (B, 4, 4) the same where no bone bends
     object_from_armature: NDArray[np.float64]  # (4, 4)
     shape_values: NDArray[np.float32]  # (K,)
 
@@ -27,34 +29,49 @@ class PosedSkin(NamedTuple):
     skin: inverse_skinning.TargetSkin
     bones: skeleton.RestBones
     weights: weights.BoneWeights
+    is_other: bool  # not what Blender plays with the character's armature: bones are plain
 
     def maps(self, posed: Posed) -> inverse_skinning.Maps:
         """The affine maps by which this skinning moves each vertex in one frame."""
-        return self.skin.maps(posed.matrices, posed.object_from_armature)
+        matrices = posed.matrices if self.bones.bends is not None else posed.plain
+        return self.skin.maps(matrices, posed.object_from_armature)
+
+
+def posed_of(rig: bpy.types.Object, bones: skeleton.RestBones, inputs: frame.FrameInputs) -> Posed:
+    """`rig`: evaluated; bones as bound, inputs as read by them."""
+    plain = inputs.pose_matrices
+    if bones.bends is not None:
+        plain = skeleton.read_pose(rig, bones._replace(bends=None))
+    return Posed(inputs.pose_matrices, plain, inputs.object_from_armature, inputs.shape_values)
 
 
 def skin_of(
     target: bpy.types.Object,
     armature: bpy.types.ArmatureModifier,
     read: rest.RestMesh,
+    object_from_armature: NDArray[np.float64],
     *,
     influences: int = 0,
     use_linear: bool = False,
 ) -> PosedSkin:
-    """influences: the largest of each vertex, 0 for all. use_linear: also where the Armature does not."""
+    """object_from_armature: where the character was bound. influences: the largest of each vertex, 0 for all.
+
+    use_linear: also where the Armature does not; such engines know no bendy bones either.
+    """
     group_names = [group.name for group in target.vertex_groups]
-    bones = skeleton.read_bones(armature.object, group_names)
-    deform = {name: index for index, name in enumerate(bones.names) if bones.is_deform[index]}
-    if not deform:
+    is_plain = use_linear or influences > 0
+    found = skin.read_skin(read, group_names, armature, object_from_armature, is_plain=is_plain)
+    bones, kept = found.bones, found.weights
+    if not len(bones.names):
         raise BakeError(f"No vertex group of {target.name} is named after a deform bone: assign weights")
-    groups = (read.weight_offsets, read.weight_groups, read.weights)
-    kept = weights.bone_weights(*groups, group_names, deform)
     if influences:
         kept = inverse_skinning.largest_influences(kept, influences)
-    mask = None
-    if armature.vertex_group in group_names:
-        mask = weights.vertex_mask(*groups, group_names.index(armature.vertex_group), armature.invert_vertex_group)
     is_dual = armature.use_deform_preserve_volume and not use_linear
-    mode = "dual_quaternion" if is_dual else "linear"
-    skin = inverse_skinning.TargetSkin(bones.parents, bones.rest_matrices, kept, mode=mode, vertex_mask=mask)
-    return PosedSkin(skin, bones, kept)
+    made = inverse_skinning.TargetSkin(
+        bones.parents,
+        bones.rest_matrices,
+        kept,
+        mode="dual_quaternion" if is_dual else "linear",
+        vertex_mask=found.mask,
+    )
+    return PosedSkin(made, bones, kept, is_plain and found.is_placed)

@@ -14,7 +14,7 @@ from ..live import spine_frame
 from ..logic import fingerprint
 from ..scene import drivers, frame, pose_samples, rest, spine_stack
 from .options import BakeError
-from .skinned_rest import Posed, skin_of
+from .skinned_rest import Posed, posed_of, skin_of
 
 
 class Sample(NamedTuple):
@@ -43,12 +43,17 @@ class SpineFrames:
         self._limb = spine_stack.limb_modifier(target)
         self.bound_frame = target.turgor_spine.bound_frame
         self.rest = rest.read_rest(target, self.end, self.bound_frame)
-        self._skin = None if self._limb is None else skin_of(target, self._limb, self.rest)
+        self._skin = None if self._limb is None else skin_of(target, self._limb, self.rest, self._bound.placement)
 
     @property
     def rest_positions(self) -> NDArray[np.float32]:
         """(N, 3) those of `rest`."""
         return self.rest.positions
+
+    @property
+    def placement(self) -> NDArray[np.float64]:
+        """(4, 4) object_from_armature that was bound."""
+        return self._bound.placement
 
     @property
     def leaders(self) -> list[bpy.types.ID]:
@@ -77,9 +82,7 @@ class SpineFrames:
         posed, positions = None, shape.positions
         if self._skin is not None:
             rig = evaluated.turgor_spine.rig
-            inputs = frame.read_inputs(evaluated, rig)
-            matrices = np.ascontiguousarray(inputs.pose_matrices[self._skin.bones.pose_indices])
-            posed = Posed(matrices, inputs.object_from_armature, inputs.shape_values)
+            posed = posed_of(rig, self._skin.bones, frame.read_inputs(evaluated, rig, self._skin.bones))
             positions = self._skin.maps(posed).moved(positions)
         return Sample(posed, (positions + shape.strength * shape.offsets.astype(np.float64)).astype(np.float32))
 

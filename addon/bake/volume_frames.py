@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from .. import runtime
 from ..live import frame as live_frame
 from ..logic import fingerprint, range_of_motion
-from ..scene import modifier_inputs, node_group, pose_samples, rest, settings, stack
+from ..scene import frame, modifier_inputs, node_group, pose_samples, rest, settings, stack
 from .options import BakeError
-from .skinned_rest import Posed
+from .skinned_rest import Posed, posed_of
 
 
 class Sample(NamedTuple):
@@ -58,6 +58,16 @@ class VolumeFrames:
     def rest_positions(self) -> NDArray[np.float32]:
         """(N, 3) those of `rest`."""
         return self._bound.body.rest.positions
+
+    @property
+    def placement(self) -> NDArray[np.float64]:
+        """(4, 4) object_from_armature that was bound."""
+        return self._bound.placement
+
+    @property
+    def bends(self) -> bool:
+        """Whether bendy bones or envelopes of this character hold skin."""
+        return self._bound.bones.bends is not None
 
     @property
     def leaders(self) -> list[bpy.types.ID]:
@@ -107,7 +117,8 @@ class VolumeFrames:
         if self.repairs_folds:
             asked["repair_folds"] = True
         shape_values = asked.get("shape_values", np.zeros(0, np.float32))
-        posed = Posed(request.pose_matrices, asked["object_from_armature"], shape_values)
+        inputs = frame.FrameInputs(request.pose_matrices, asked["object_from_armature"], shape_values)
+        posed = posed_of(evaluated.modifiers[self.end.name].object, self._bound.bones, inputs)
         return Sample(posed, request, strength)
 
     def fingerprint(self, samples: Sequence[Sample]) -> str:

@@ -6,7 +6,6 @@ Bound engines are never saved. The same file gives the same binding in every ses
 from __future__ import annotations
 
 from time import perf_counter
-from typing import NamedTuple
 
 import bpy
 import numpy as np
@@ -16,7 +15,7 @@ from turgor import TurgorError
 from .. import runtime
 from ..logic import body, fingerprint, weights
 from ..logic.finding import Finding
-from ..messages import message
+from ..properties.joint_names import bend_of
 from ..scene import (
     bone_choice,
     carrier,
@@ -31,7 +30,7 @@ from ..scene import (
     stack,
 )
 from ..states import VolumeBinding
-from . import findings, masks, profiles
+from . import findings, joint_names, masks, profiles, skin
 from .binding_rules import BindError, check_topology, is_editable
 
 
@@ -110,29 +109,26 @@ def _bind(target: bpy.types.Object, before: VolumeBinding | None, accept_topolog
         raise BindError(obstacles.Obstacle("push_linked", text))
     armature = stack.armature_modifier(target)
     group_names = [group.name for group in target.vertex_groups]
-    bones = skeleton.read_bones(armature.object, group_names)
-    if not len(bones.names):
-        text = message(
-            "No vertex group is named after a deform bone of {rig}: assign weights", rig=armature.object.name
-        )
-        raise BindError(obstacles.Obstacle("no_deform_groups", text))
     read = rest.read_rest(target, armature, target.turgor.bound_frame)
     if not len(read.positions):
         text = "The mesh has no vertices before the Armature modifier: give it some"
         raise BindError(obstacles.Obstacle("no_vertices", text))
     check_topology(target.turgor, read, accept=accept_topology)
-    skin = _skin(read, bones, group_names, armature)
-    # Groups that skin nothing, masks above all, may change without another engine.
-    content = fingerprint.fingerprint(
-        [read.positions, read.face_offsets, read.face_corners, read.shape_deltas, *skin.weights, *bones[1:]],
-        bones.names,
-        None if skin.mask is None else skin.mask.tobytes(),
-        armature.use_deform_preserve_volume,
-    )
+    place = placement.bound_object_from_armature(target.turgor)
+    if place is None:
+        place = placement.object_from_armature(target, armature.object)
+    skinned = skin.read_skin(read, group_names, armature, place)
+    content = _content(read, skinned, armature)
     if before is not None and is_editable(target):
-        settings.rename_joints(target, _renamed(before.bones, bones))
+        settings.rename_joints(target, _renamed(before.bones, skinned.bones))
         settings.rename_groups(target, before.group_names, group_names)
+    weighed_at = place
     place = _placement(target, armature.object, is_changed=_is_changed(before, armature.object, content))
+    if skinned.is_placed and (weighed_at != place).any():
+        skinned = skin.read_skin(read, group_names, armature, place)
+        content = _content(read, skinned, armature)
+    bones = skinned.bones
+    skin.check(skinned, armature)
     if before is not None and before.content == content and (before.placement == place).all():
         made = before.body
     else:
@@ -143,11 +139,12 @@ def _bind(target: bpy.types.Object, before: VolumeBinding | None, accept_topolog
             bones.parents,
             bones.rest_matrices,
             bones.tails,
-            skin.weights,
-            skin.mask,
+            skinned.weights,
+            skinned.mask,
             armature.use_deform_preserve_volume,
             read.shape_deltas,
             place,
+            bones.is_segment,
         )
     masked_by, mask = masks.chosen(target), masks.read_mask(target)
     if mask is not None or made.mask is not None:
@@ -157,8 +154,37 @@ def _bind(target: bpy.types.Object, before: VolumeBinding | None, accept_topolog
         _prepare_scene(target, armature.object, bones, made)
     fleshed = _fleshed(target, bones)
     rig, curves = armature.object.session_uid, profiles.read(target)
-    unweighted = weights.unweighted_count(*skin)
-    return VolumeBinding(made, bones, rig, content, place, curves, fleshed, unweighted, tuple(group_names), masked_by)
+    unweighted = weights.unweighted_count(skinned.weights, skinned.mask)
+    return VolumeBinding(
+        made,
+        bones,
+        rig,
+        content,
+        place,
+        curves,
+        fleshed,
+        unweighted,
+        tuple(group_names),
+        masked_by,
+        placement.corners(read.positions) if skinned.is_placed else None,
+    )
+
+
+def _content(read: rest.RestMesh, skinned: skin.Skin, armature: bpy.types.ArmatureModifier) -> str:
+    """Fingerprint of all that an engine is made of. Groups that skin nothing, masks above all, do not count."""
+    bones, mask = skinned.bones, skinned.mask
+    nodes = () if bones.bends is None else (bones.bends.after, bones.bends.owners)
+    return fingerprint.fingerprint(
+        [
+            *(read.positions, read.face_offsets, read.face_corners, read.shape_deltas),
+            *skinned.weights,
+            *(bones.parents, bones.rest_matrices, bones.pose_indices, bones.is_deform, bones.tails),
+            *nodes,
+        ],
+        bones.names,
+        None if mask is None else mask.tobytes(),
+        armature.use_deform_preserve_volume,
+    )
 
 
 def _fleshed(target: bpy.types.Object, bones: skeleton.RestBones) -> list[bool] | None:
@@ -166,7 +192,7 @@ def _fleshed(target: bpy.types.Object, bones: skeleton.RestBones) -> list[bool] 
         return None
     saved = target.turgor_spine
     chain = spine_chain.chain_names(saved.rig, saved.first_bone, saved.last_bone) or ()
-    return [name in chain for name in bones.names]
+    return [bones.names[bones.bone_of(row)] in chain for row in range(len(bones.parents))]
 
 
 def _is_changed(before: VolumeBinding | None, rig: bpy.types.Object, content: str) -> bool:
@@ -185,28 +211,12 @@ def _placement(target: bpy.types.Object, rig: bpy.types.Object, *, is_changed: b
     return placement.object_from_armature(target, rig) if saved is None else saved
 
 
-class _Skin(NamedTuple):
-    """What the Armature modifier goes by."""
-
-    weights: weights.BoneWeights
-    mask: NDArray[np.float32] | None  # (N,) its own vertex group
-
-
-def _skin(
-    read: rest.RestMesh, bones: skeleton.RestBones, group_names: list[str], armature: bpy.types.ArmatureModifier
-) -> _Skin:
-    groups = (read.weight_offsets, read.weight_groups, read.weights)
-    deform = {name: index for index, name in enumerate(bones.names) if bones.is_deform[index]}
-    mask = None
-    if armature.vertex_group in group_names:
-        mask = weights.vertex_mask(*groups, group_names.index(armature.vertex_group), armature.invert_vertex_group)
-    return _Skin(weights.bone_weights(*groups, group_names, deform), mask)
-
-
 def _renamed(before: skeleton.RestBones, after: skeleton.RestBones) -> dict[str, str]:
-    """New names of bones, when nothing but names changed."""
-    is_same = before.parents.tolist() == after.parents.tolist()
-    return dict(zip(before.names, after.names, strict=True)) if is_same else {}
+    """New names of joints, when nothing but names of bones changed."""
+    if before.parents.tolist() != after.parents.tolist():
+        return {}
+    renamed = list(zip(before.names, after.names, strict=True))
+    return dict(renamed + [(bend_of(old), bend_of(new)) for old, new in renamed])
 
 
 def _set_in_renders(target: bpy.types.Object, is_same: bool) -> None:
@@ -216,7 +226,7 @@ def _set_in_renders(target: bpy.types.Object, is_same: bool) -> None:
 
 
 def _prepare_scene(target: bpy.types.Object, rig: bpy.types.Object, bones: skeleton.RestBones, made: body.Body) -> None:
-    settings.add_joints(target, tuple(bones.names[bone] for bone in made.joint_bones))
+    settings.add_joints(target, joint_names.of_rows(bones, made.joint_bones))
     holder = carrier.carrier_of(target)
     if holder is not None and is_editable(holder):
         carrier.resize(holder, made.vertex_count)

@@ -21,6 +21,7 @@ from ..properties.joint import BLEND_NAMES
 from ..properties.profiles import PRESET_NAMES
 from ..scene import frame, settings
 from ..states import SettledEngine, VolumeBinding, VolumeState
+from . import joint_names
 
 _marks = count(1)
 
@@ -65,12 +66,12 @@ def settings_key(saved: settings.BodySettings, bound: VolumeBinding) -> object:
 
 
 def _joints(target: bpy.types.Object, saved: settings.BodySettings, bound: VolumeBinding) -> list[turgor.Joint]:
-    index = {name: number for number, name in enumerate(bound.bones.names)}
+    rows = joint_names.rows_of(bound.bones, bound.body.joint_bones)
     arrays, tables = saved.joints, bound.curves.tables
     strengths = joints.effective_strengths(arrays.strengths, arrays.is_muted, arrays.is_solo)
     found = []
     for place, name in enumerate(settings.joint_names(target)):
-        if name not in index:
+        if name not in rows:
             continue
         first = Profiles(
             PRESET_NAMES[arrays.presets[place]],
@@ -81,7 +82,7 @@ def _joints(target: bpy.types.Object, saved: settings.BodySettings, bound: Volum
         second = saved.seconds.get(place)
         by_value = BLEND_NAMES[arrays.blend_modes[place]] == "VALUE"
         joint = joints.JointSettings(
-            index[name],
+            rows[name][0],
             float(strengths[place]),
             float(arrays.sizes[place]),
             first,
@@ -89,7 +90,7 @@ def _joints(target: bpy.types.Object, saved: settings.BodySettings, bound: Volum
             float(arrays.blends[place]) if by_value else None,
             float(arrays.fold_losses[place]),
         )
-        found.append(joints.engine_joint(joint))
+        found += [joints.engine_joint(joint._replace(bone=row)) for row in rows[name]]
     return found
 
 

@@ -11,6 +11,7 @@ from ..logic.character_figures import SpineFigures, VolumeFigures
 from ..logic.shells import Shells
 from ..messages import message
 from ..messages import of_error as message_of
+from ..properties.joint_names import label
 from ..runtime import Finding
 from ..scene import modifier_inputs, node_group, spine_stack, stack
 from ..scene.gathered import listed
@@ -19,7 +20,12 @@ from . import refusals
 from .binding_rules import BindError
 
 # Ids of errors that no obstacle names.
-ERROR_IDS = {"ShapeKeyTopologyError": "shape_key_topology", "PlacementError": "placement", "FrameError": "frame"}
+ERROR_IDS = {
+    "ShapeKeyTopologyError": "shape_key_topology",
+    "PlacementError": "placement",
+    "FrameError": "frame",
+    "PoseError": "frame",
+}
 # A joint that misses less than this many percent of the rest volume is not told.
 NOTABLE_PERCENT = 0.005
 
@@ -159,7 +165,7 @@ def of_figures(target: bpy.types.Object, figures: VolumeFigures, strengths: dict
         text = message(
             "The strength of joints leaves {percent:+.2f} % of the volume: {joints}",
             percent=figures.corrected_deviation,
-            joints=listed(weak),
+            joints=listed([label(name) for name in weak]),
         )
         found.append(finding(target, "INFO", "joint_strength", text))
     if figures.folds is not None and figures.folds.left_count:
@@ -188,14 +194,14 @@ def _of_capped_joints(target: bpy.types.Object, figures: VolumeFigures) -> list[
         return []
     text = message(
         "{joint} has no room for all of its volume; the rest went to the skin around: give it a larger Size",
-        joint=capped[0],
+        joint=label(capped[0]),
     )
     if len(capped) > 1:
         text = message(
             "{count} joints have no room for all of their volume: {joints}; the rest went to the skin around: give them"
             " a larger Size",
             count=len(capped),
-            joints=listed(capped),
+            joints=listed([label(name) for name in capped]),
         )
     return [finding(target, "INFO", "capped", text, "LARGER_SIZE", "\n".join(capped))]
 

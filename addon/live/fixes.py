@@ -92,17 +92,6 @@ def _no_multi_modifier(target: bpy.types.Object, subject: str, kind: str) -> Non
     _modifier(target, subject).use_multi_modifier = False
 
 
-def _vertex_groups_only(target: bpy.types.Object, subject: str, kind: str) -> None:
-    armature = _modifier(target, subject)
-    armature.use_bone_envelopes, armature.use_vertex_groups = False, True
-
-
-def _no_envelope_multiply(target: bpy.types.Object, subject: str, kind: str) -> None:
-    for bone in _modifier(target, subject).object.data.bones:
-        if bone.use_deform and bone.name in target.vertex_groups:
-            bone.use_envelope_multiply = False
-
-
 def _same_in_renders(target: bpy.types.Object, subject: str, kind: str) -> None:
     for modifier in _modifiers(target, subject):
         _show_alike(modifier)
@@ -192,8 +181,6 @@ APPLY: dict[str, Callable[[bpy.types.Object, str, str], None]] = {
     "SHOW_IN_VIEWPORT": _show_in_viewport,
     "SHOW_IN_RENDERS": _show_in_renders,
     "NO_MULTI_MODIFIER": _no_multi_modifier,
-    "VERTEX_GROUPS_ONLY": _vertex_groups_only,
-    "NO_ENVELOPE_MULTIPLY": _no_envelope_multiply,
     "SAME_IN_RENDERS": _same_in_renders,
     "SELECT_OPEN_EDGES": _select_open_edges,
     "SELECT_NON_MANIFOLD": _select_non_manifold,

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from .. import runtime
 from ..logic import figures
-from ..logic.character_figures import Folds, JointFigures, Timing, VolumeFigures
+from ..logic.character_figures import Folds, Timing, VolumeFigures
 from ..logic.finding import Finding
 from ..logic.lazy import Lazy
-from ..scene import frame, modifier_inputs, node_group, settings, shown_mesh, stack
+from ..scene import frame, modifier_inputs, node_group, placement, settings, shown_mesh, stack
 from ..states import VolumeBinding, VolumeState
-from . import engines, findings, later_findings, spine_frame
+from . import engines, findings, joint_names, later_findings, spine_frame
 from .guard import guarded
 
 
@@ -56,12 +56,15 @@ def read(target: bpy.types.Object, character: VolumeState, bound: VolumeBinding)
     Raises frame.FrameError, another ValueError or turgor.TurgorError, which say why it cannot be read.
     """
     now = engines.settled(target, character, bound)
-    inputs = frame.read_inputs(target, target.modifiers[now.armature].object)
-    try:
-        pose_matrices = inputs.pose_matrices[bound.bones.pose_indices]
-    except IndexError:
-        raise frame.FrameError("Bones were removed from the armature: leave its edit mode, or press Rebind") from None
-    options = {"object_from_armature": inputs.object_from_armature, "target_scale": now.saved.target_volume}
+    inputs = frame.read_inputs(target, target.modifiers[now.armature].object, bound.bones)
+    pose_matrices, place = inputs.pose_matrices, inputs.object_from_armature
+    if bound.weighed is not None and placement.is_elsewhere(target, place, bound.placement, bound.weighed):
+        text = (
+            "The mesh stands elsewhere to its armature than when bound, and bendy bones or envelopes hold it by other"
+            " weights there: put it back, or press Rebind"
+        )
+        raise frame.FrameError(text)
+    options = {"object_from_armature": place, "target_scale": now.saved.target_volume}
     if len(inputs.shape_values):
         options["shape_values"] = inputs.shape_values
     if bound.fleshed is not None and (added := spine_frame.added_offsets(target, bound.body.vertex_count)) is not None:
@@ -123,9 +126,7 @@ def _figures(
         asked.options["target_scale"],
         _shown_volumes(uid, character, bound),
     )
-    names = [bound.bones.names[bone] for bone in bound.body.joint_bones]
-    rows = zip(found.lost, found.regained, found.is_capped, strict=True)
-    by_bone = {name: JointFigures(*row) for name, row in zip(names, rows, strict=True)}
+    joints = figures.of_joints(found, joint_names.of_rows(bound.bones, bound.body.joint_bones))
     folds = None
     if asked.options.get("repair_folds"):
         folds = Folds(report.folds_found, report.folds_left, len(report.blocked_vertices))
@@ -133,7 +134,7 @@ def _figures(
         found.corrected_deviation,
         found.skinned_deviation,
         found.shown_deviation,
-        by_bone,
+        joints,
         folds,
         *_computed(uid, character, report, asked),
         found.target_volume,
@@ -169,7 +170,7 @@ def _inspect(
     target = runtime.object_of(uid, character, bpy.data.objects)
     if target is None:
         return ()
-    names = [bound.bones.names[bone] for bone in bound.body.joint_bones]
+    names = joint_names.of_rows(bound.bones, bound.body.joint_bones)
     found = findings.of_figures(target, figures, dict(zip(names, strengths.tolist(), strict=True)))
     found += later_findings.follow(target, character, bound, figures)
     runtime.log_findings(character, target.name, found)

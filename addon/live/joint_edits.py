@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import bpy
 
 from ..properties.joint import TurgorJoint
+from ..properties.joint_names import flipped
 from ..properties.several import edited_joints
 from . import profiles
 
@@ -40,7 +41,7 @@ def mirror(target: bpy.types.Object) -> tuple[int, list[str]]:
     done: set[str] = set()
     missing: list[str] = []
     for joint in edited_joints(target.turgor):
-        other = bpy.utils.flip_name(joint.name)
+        other = flipped(joint.name, bpy.utils.flip_name)
         if other == joint.name or joint.name in done:
             continue
         if other not in joints:

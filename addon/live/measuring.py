@@ -15,7 +15,7 @@ from ..logic import figures
 from ..logic.character_figures import Motion
 from ..scene import stack
 from ..states import VolumeBinding
-from . import sampling, stack_measures
+from . import joint_names, sampling, stack_measures
 from .binding_rules import is_editable
 from .sampling import Sample
 
@@ -68,9 +68,10 @@ def _evaluated(
 
 
 def _motion(bound: VolumeBinding, samples: Iterable[Sample], frames: NDArray[np.float64] | None) -> Motion:
-    names = tuple(bound.bones.names[bone] for bone in bound.body.joint_bones)
-    found = [figures.MotionFigures(np.zeros(0), np.zeros(0), np.zeros((0, len(names))), np.zeros(0))]
-    folds = [np.zeros((1, len(names)))]
+    of_rows = joint_names.of_rows(bound.bones, bound.body.joint_bones)
+    names = tuple(dict.fromkeys(of_rows))
+    found = [figures.MotionFigures(np.zeros(0), np.zeros(0), np.zeros((0, len(of_rows))), np.zeros(0))]
+    folds = [np.zeros((1, len(of_rows)))]
     for batch in sampling.batches(samples):
         matrices = np.stack([sample.object_from_armature for sample in batch])
         scales = np.array([sample.target_scale for sample in batch])
@@ -79,8 +80,10 @@ def _motion(bound: VolumeBinding, samples: Iterable[Sample], frames: NDArray[np.
         found.append(figures.motion_figures(measures, bound.body.rest_volume, first.strengths, scales))
         folds.append(figures.fold_losses(measures.joint_losses, first.engine.joint_lengths, matrices))
     corrected, skinned, lost, targets = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    peak_folds = np.concatenate(folds).max(axis=0)
-    return Motion(frames, corrected, skinned, targets, names, lost, dict(zip(names, peak_folds.tolist(), strict=True)))
+    parts = [np.flatnonzero([name == of_row for of_row in of_rows]) for name in names]
+    peaks = np.concatenate(folds).max(axis=0)
+    peak_folds = {name: float(peaks[own].max()) for name, own in zip(names, parts, strict=True)}
+    return Motion(frames, corrected, skinned, targets, names, figures.summed(lost, parts), peak_folds)
 
 
 def _many(batch: Sequence[Sample], matrices: NDArray[np.float64], scales: NDArray[np.float64]) -> turgor.Measures:

@@ -11,7 +11,7 @@ import numpy as np
 from .. import runtime
 from ..logic.overlay_frame import OverlayFrame
 from ..scene import modifier_inputs, node_group, stack
-from . import frame
+from . import frame, joint_names
 
 # Of each character, by uid: what its last frame was made of, and that frame.
 _last: dict[int, tuple[tuple[object, ...], OverlayFrame]] = {}
@@ -39,7 +39,12 @@ def look(ob: bpy.types.Object) -> OverlayFrame | None:
         last = (
             key,
             OverlayFrame(
-                asked.engine, bound.body.rest, bound.bones.names, asked.pose_matrices, asked.options, strength
+                asked.engine,
+                bound.body.rest,
+                joint_names.rows_of(bound.bones, bound.body.joint_bones),
+                asked.pose_matrices,
+                asked.options,
+                strength,
             ),
         )
         _last[ob.session_uid] = last

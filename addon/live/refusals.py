@@ -21,10 +21,6 @@ def refusal(target: bpy.types.Object, fix: str, subject: str) -> str:
         return "The mesh is linked: change it in its own file"
     if fix in EDIT_FIXES and not target.visible_get():
         return "The object is hidden: show it first"
-    if fix == "NO_ENVELOPE_MULTIPLY":
-        armature = target.modifiers.get(subject)
-        if armature is not None and armature.object is not None and armature.object.data.library is not None:
-            return "The armature is linked: change it in its own file"
     if fix in MOVING_FIXES and target.override_library is not None:
         named = [target.modifiers.get(name) for name in subject.splitlines()]
         moved = named if fix == "MOVE_AFTER" else [stack.volume_modifier(target)]

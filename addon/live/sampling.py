@@ -18,7 +18,7 @@ from .. import runtime
 from ..logic import range_of_motion
 from ..scene import pose_samples, settings, shape_keys, stack
 from ..states import VolumeBinding
-from . import binding, frame
+from . import binding, frame, joint_names
 from .engines import engine_of
 
 # What looking at a motion takes at most where nobody asked for it, about a second: vertices times poses, and poses.
@@ -94,7 +94,7 @@ def turned(target: bpy.types.Object, bound: VolumeBinding) -> Iterator[Sample]:
     """Poses of a test range of motion: each joint turned in turn, all others at rest."""
     saved = settings.read_settings(target)
     engine, strengths = engine_of(target, saved, bound)
-    joints = bound.body.joint_bones
+    joints = list(joint_names.rows_of(bound.bones, bound.body.joint_bones, but_bones=True).values())
     groups = max(_quick_poses(bound) // range_of_motion.TURNS_PER_JOINT, 1)
     poses = range_of_motion.poses(bound.bones.parents.tolist(), bound.bones.rest_matrices, joints, groups)
     shape_values = np.zeros_like(shape_keys.read_values(target))

@@ -8,6 +8,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import turgor
+from numpy.typing import NDArray
 from turgor import TurgorError
 
 from .. import runtime
@@ -28,7 +29,7 @@ from ..scene import (
     spine_stack,
 )
 from ..states import SpineBinding, SpineState
-from . import findings
+from . import findings, skin
 from .binding_rules import BindError, check_topology, is_editable
 
 # What renders show where they cannot show ours.
@@ -142,22 +143,23 @@ def _bind(target: bpy.types.Object, state: SpineState, accept_topology: bool) ->
     if saved.source == "BONES":
         chain = spine_chain.chain_names(saved.rig, saved.first_bone, saved.last_bone)
         rest_bones = spine_chain.read_rest(saved.rig, chain)
-    held, limb_bones = _limb(target, limb, chain, read, group_names)
-    content = fingerprint.fingerprint([*read, influence])
-    before = state.binding
-    if held is None and before is not None and before.limb_indices is None and before.content == content:
-        body = before.flesh
-    else:
-        body = flesh.Flesh(read.positions, read.face_offsets, read.face_corners, read.shape_deltas, influence, held)
     place = placement.bound_object_from_armature(saved)
     if place is None:
         if is_editable(target):
             placement.save(saved, spine)
         place = placement.object_from_armature(target, spine)
+    held, limb_bones = _limb(target, limb, chain, read, group_names, place)
+    content = fingerprint.fingerprint([*read, influence])
+    before = state.binding
+    if held is None and before is not None and before.limb_bones is None and before.content == content:
+        body = before.flesh
+    else:
+        body = flesh.Flesh(read.positions, read.face_offsets, read.face_corners, read.shape_deltas, influence, held)
     _prepare_scene(target, spine, chain or (), limb_bones, body)
     rest_curve = None if saved.bound_curve is None else spine_curve.read_curve(saved.bound_curve)
-    indices = None if limb_bones is None else limb_bones.pose_indices
-    return SpineBinding(body, content, place, chain or (), rest_bones, rest_curve, indices, spine_stack.chosen(saved))
+    return SpineBinding(
+        body, content, place, chain or (), rest_bones, rest_curve, limb_bones, spine_stack.chosen(saved)
+    )
 
 
 def _limb(
@@ -166,24 +168,24 @@ def _limb(
     chain: tuple[str, ...] | None,
     read: rest.RestMesh,
     group_names: list[str],
+    place: NDArray[np.float64],
 ) -> tuple[flesh.Limb | None, skeleton.RestBones | None]:
     """What the chain's own weights hold; None where no Armature skins the body first."""
     if armature is None or chain is None:
         return None, None
-    bones = skeleton.read_bones(armature.object, group_names)
-    groups = (read.weight_offsets, read.weight_groups, read.weights)
-    deform = {name: index for index, name in enumerate(bones.names) if bones.is_deform[index]}
-    in_chain = {name: index for name, index in deform.items() if name in chain}
-    if not in_chain:
+    skinned = skin.read_skin(read, group_names, armature, place)
+    skin.check(skinned, armature)
+    bones = skinned.bones
+    in_chain = [bones.names[bones.bone_of(row)] in chain for row in range(len(bones.parents))]
+    mine = weights.of_bones(skinned.weights, np.array(in_chain, bool))
+    if not len(mine.weights):
         text = "No vertex group is named after a bone of the chain: assign weights, or turn the Armature off"
         raise BindError(obstacles.Obstacle("no_deform_groups", text))
-    mine = weights.bone_weights(*groups, group_names, in_chain)
-    held = weights.sums(mine) / np.maximum(weights.sums(weights.bone_weights(*groups, group_names, deform)), 1e-30)
-    if armature.vertex_group in group_names:
-        group = group_names.index(armature.vertex_group)
-        held = held * weights.vertex_mask(*groups, group, armature.invert_vertex_group)
+    held = weights.sums(mine) / np.maximum(weights.sums(skinned.weights), 1e-30)
+    if skinned.mask is not None:
+        held = held * skinned.mask
     skinning = turgor.Skinning(
-        turgor.Skeleton(bones.parents, bones.rest_matrices),
+        turgor.Skeleton(bones.parents, bones.rest_matrices, bones.is_segment),
         *mine,
         mode="dual_quaternion" if armature.use_deform_preserve_volume else "linear",
     )

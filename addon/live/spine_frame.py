@@ -23,6 +23,7 @@ from ..scene import (
     node_group,
     placement,
     shape_keys,
+    skeleton,
     spine_chain,
     spine_curve,
     spine_stack,
@@ -126,8 +127,8 @@ class _Frame:
         if bound.rest_bones is not None:
             self._object_from_armature = placement.object_from_armature(target, saved.rig)
             read = _Bones(target, bound, self._object_from_armature)
-            if bound.limb_indices is not None:
-                self._pose_matrices = np.ascontiguousarray(frame.read_pose(saved.rig)[bound.limb_indices])
+            if bound.limb_bones is not None:
+                self._pose_matrices = skeleton.read_pose(saved.rig, bound.limb_bones)
         else:
             read = _Curve(target, bound)
         kind: flesh.Kind = tuple(saved.blend) if saved.kind == "BLEND" else saved.kind.lower()
@@ -155,7 +156,7 @@ class _Bones:
         self._use_roll = saved.use_roll
         matrices, tail = bound.rest_bones
         # Skin of a limb follows its armature wherever that stands; a body without one was bound where it stood.
-        place = bound.placement if bound.limb_indices is None else object_from_armature
+        place = bound.placement if bound.limb_bones is None else object_from_armature
         self._rest = _chain(place, matrices, tail)
         self._posed = _chain(object_from_armature, *spine_chain.read_posed(saved.rig, bound.chain))
         self._at = courses.stations(len(self._rest.joints), self._course, saved.bend_width)

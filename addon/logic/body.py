@@ -28,13 +28,15 @@ def bind(
     is_dual_quaternion: bool,
     shape_deltas: NDArray[np.float32],
     object_from_armature: NDArray[np.float64],
+    is_segment: Sequence[bool] | None = None,
 ) -> Body:
     """Bind a mesh to its bones. Shapes as in the fields of `scene.rest.RestMesh` and `scene.skeleton.RestBones`.
 
     object_from_armature: (4, 4) at rest. Rigs come at other scales than their meshes, and joints have lengths.
+    is_segment: (B,) of bones that are segments of the bone above.
     """
     skinning = turgor.Skinning(
-        turgor.Skeleton(parents, rest_matrices),
+        turgor.Skeleton(parents, rest_matrices, is_segment),
         *weights,
         mode="dual_quaternion" if is_dual_quaternion else "linear",
         vertex_mask=vertex_mask,

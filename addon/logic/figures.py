@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import turgor
 from numpy.typing import NDArray
+
+from .character_figures import JointFigures
 
 
 class FrameFigures(NamedTuple):
@@ -48,6 +51,15 @@ def frame_figures(
     )
 
 
+def of_joints(found: FrameFigures, names: Sequence[str]) -> dict[str, JointFigures]:
+    """By name; what several parts of one joint lose and get back is summed. names: (J,)."""
+    joints: dict[str, JointFigures] = {}
+    for name, lost, regained, is_capped in zip(names, found.lost, found.regained, found.is_capped, strict=True):
+        known = joints.get(name, JointFigures(0.0, 0.0, False))
+        joints[name] = JointFigures(known.lost + lost, known.regained + regained, known.is_capped or is_capped)
+    return joints
+
+
 def _deviation(volume: float, target: float) -> float:
     return 100.0 * float(volume - target) / float(target) if target > 0.0 else 0.0
 
@@ -85,6 +97,11 @@ def _sizes(volumes: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _deviations(volumes: NDArray[np.float64], targets: NDArray[np.float64]) -> NDArray[np.float64]:
     return 100.0 * np.divide(volumes - targets, targets, out=np.zeros_like(targets), where=targets > 0.0)
+
+
+def summed(rows: NDArray[np.float64], parts: Sequence[NDArray[np.intp]]) -> NDArray[np.float64]:
+    """(F, J) of joints from (F, R) of their rows. parts: (J,) the rows of each."""
+    return np.stack([rows[:, own].sum(axis=1) for own in parts], axis=1) if parts else np.zeros((len(rows), 0))
 
 
 # The engine's measure of folding: losses are compared with this part of the joint's length cubed (MATH 4).

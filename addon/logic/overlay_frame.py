@@ -36,15 +36,18 @@ class OverlayFrame:
         self,
         engine: turgor.VolumeSkin,
         rest: RestGeometry,
-        bone_names: Sequence[str],
+        joint_rows: Mapping[str, Sequence[int]],
         pose_matrices: NDArray[np.float32],
         options: Mapping[str, Any],
         strength: float,
     ) -> None:
-        """pose_matrices, options: as for `VolumeSkin.deform`. strength: of the modifier, 0 where it is off."""
+        """joint_rows: by name of the joint, its rows in the skeleton; of a bend several.
+
+        pose_matrices, options: as for `VolumeSkin.deform`. strength: of the modifier, 0 where it is off.
+        """
         self.rest = rest
-        self._bones = {name: index for index, name in enumerate(bone_names)}
-        self._fields: dict[str, turgor.JointField | None] = {}
+        self._rows = joint_rows
+        self._fields: dict[int, turgor.JointField | None] = {}
         self._engine, self._pose_matrices, self._options, self._strength = engine, pose_matrices, options, strength
 
     @cached_property
@@ -63,13 +66,14 @@ class OverlayFrame:
 
         joint: whose weight is shown. world: (4, 4) world_from_object, for lengths. most: the hottest value, 0: found.
         """
-        field = self.joint_field(joint) if kind == "WEIGHT" else None
+        fields = [self._field(row) for row in self._rows.get(joint, ())] if kind == "WEIGHT" else []
+        gammas = [field.gamma for field in fields if field is not None]
         if kind == "DISPLACEMENT":
             values = np.linalg.norm(self._strength * self._frame.offsets.astype(np.float64) @ world[:3, :3].T, axis=1)
         elif kind == "STRAIN":
             values = self.strain
-        elif field is not None:
-            values = field.gamma.astype(np.float64)
+        elif gammas:
+            values = np.max(gammas, axis=0).astype(np.float64)
         else:
             return None
         is_signed = kind == "STRAIN"
@@ -112,22 +116,29 @@ class OverlayFrame:
         return np.asarray(self._options["object_from_armature"], np.float64)
 
     def joint_field(self, joint: str) -> turgor.JointField | None:
-        """The frame and weights of the joint at the head of this bone; None where it has none."""
-        if joint not in self._fields:
-            bone = self._bones.get(joint, -1)
-            has_joint = bone in self._engine.joint_bones
+        """The frame and weights of a joint, of a bend at its middle; None where there is none."""
+        row = self._middle(joint)
+        return None if row is None else self._field(row)
+
+    def _field(self, row: int) -> turgor.JointField | None:
+        if row not in self._fields:
+            has_joint = row in self._engine.joint_bones
             # Fields are made before folds are looked for.
             options = {name: value for name, value in self._options.items() if name != "repair_folds"}
-            self._fields[joint] = self._engine.joint_field(bone, self._pose_matrices, **options) if has_joint else None
-        return self._fields[joint]
+            self._fields[row] = self._engine.joint_field(row, self._pose_matrices, **options) if has_joint else None
+        return self._fields[row]
 
     def joint_origin(self, joint: str) -> NDArray[np.float64] | None:
-        """(3,) where the joint is in the pose, object space; None where there is no such bone."""
-        bone = self._bones.get(joint)
-        if bone is None:
+        """(3,) where the joint is in the pose, of a bend its middle, object space; None without such a joint."""
+        row = self._middle(joint)
+        if row is None:
             return None
-        place = self._object_from_armature @ self._pose_matrices[bone]
-        return place[:3, :3] @ self.rest.heads[bone] + place[:3, 3]
+        place = self._object_from_armature @ self._pose_matrices[row]
+        return place[:3, :3] @ self.rest.heads[row] + place[:3, 3]
+
+    def _middle(self, joint: str) -> int | None:
+        rows = self._rows.get(joint, ())
+        return rows[len(rows) // 2] if rows else None
 
 
 def _quantile(values: NDArray[np.float64], part: float) -> float:

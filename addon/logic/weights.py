@@ -33,6 +33,13 @@ def bone_weights(
     return BoneWeights(kept_before[offsets], bones[is_kept], weights[is_kept])
 
 
+def of_bones(weights: BoneWeights, is_kept: NDArray[np.bool_]) -> BoneWeights:
+    """Only influences of some bones. is_kept: (B,)."""
+    kept = is_kept[weights.bones] if len(is_kept) else np.zeros(0, bool)
+    kept_before = np.concatenate([[0], np.cumsum(kept)]).astype(np.int32)
+    return BoneWeights(kept_before[weights.offsets], weights.bones[kept], weights.weights[kept])
+
+
 def sums(weights: BoneWeights) -> NDArray[np.float64]:
     """(N,) of each vertex."""
     total = np.concatenate([[0.0], np.cumsum(weights.weights, dtype=np.float64)])

@@ -8,6 +8,7 @@ from bpy.props import EnumProperty
 
 from ..live import joint_edits
 from ..messages import message, of_error, translated
+from ..properties.joint_names import bone_of
 from ..properties.several import edited_joints
 from ..scene import bone_choice, stack
 from .character import character_of
@@ -101,7 +102,7 @@ class OBJECT_OT_turgor_joint_to_bone(_JointOperator, bpy.types.Operator):
             self.report({"ERROR"}, "The character has no armature, or no joint is active")
             return {"CANCELLED"}
         try:
-            bone_choice.choose_bone(context, armature.object, joints[0].name)
+            bone_choice.choose_bone(context, armature.object, bone_of(joints[0].name))
         except bone_choice.ChoiceError as error:
             self.report({"ERROR"}, translated(of_error(error), rpt_))
             return {"CANCELLED"}

@@ -5,7 +5,9 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
+from ..messages import translated
 from ..properties.joint import TurgorJoint
+from ..properties.joint_names import label
 from ..properties.saved import volume_settings
 from ..properties.several import TurgorSeveral
 from .joint_presets import TURGOR_PT_joint_presets
@@ -45,9 +47,10 @@ def edited_settings(ob: bpy.types.Object, joint: TurgorJoint) -> tuple[TurgorJoi
     flags = [False] * len(joints)
     joints.foreach_get("select", flags)
     others = sum(flags) - joint.select
+    name = translated(label(joint.name), iface_)
     if not others or ob.override_library is not None:
-        return joint, joint.name
-    return saved.several, iface_("{name} and {count} more").format(name=joint.name, count=others)
+        return joint, name
+    return saved.several, iface_("{name} and {count} more").format(name=name, count=others)
 
 
 def _draw_silence(layout: bpy.types.UILayout, ob: bpy.types.Object, joint: TurgorJoint) -> None:

@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
 from .. import runtime
-from ..messages import signed_percent
+from ..messages import signed_percent, translated
 from ..properties.character import TurgorObject
 from ..properties.joint import TurgorJoint
+from ..properties.joint_names import label
 from ..properties.saved import volume_settings
 
 if TYPE_CHECKING:
@@ -56,7 +58,7 @@ class TURGOR_UL_joints(bpy.types.UIList):
         row.prop(item, "select", text="")
         name, *numbers = columns(row, context)
         is_capped = figures is not None and figures.is_capped
-        name.label(text=item.name, translate=False, icon="ERROR" if is_capped else "NONE")
+        name.label(text=translated(label(item.name), iface_), translate=False, icon="ERROR" if is_capped else "NONE")
         _draw_numbers(numbers, figures)
         switches = row.row(align=True)
         switches.prop(item, "is_solo", text="", icon="SOLO_ON" if item.is_solo else "SOLO_OFF", emboss=False)

@@ -9,16 +9,6 @@ FIXES = (
     ("SHOW_IN_VIEWPORT", "Show in Viewport", "Turn the modifier on in the viewport"),
     ("SHOW_IN_RENDERS", "Show in Renders", "Turn the modifier on in renders"),
     ("NO_MULTI_MODIFIER", "Turn Off Multi Modifier", "Let this Armature modifier deform alone"),
-    (
-        "VERTEX_GROUPS_ONLY",
-        "Use Vertex Groups Only",
-        "Let the Armature deform by vertex groups, without bone envelopes",
-    ),
-    (
-        "NO_ENVELOPE_MULTIPLY",
-        "Turn Off Envelope Multiply",
-        "Let all bones that deform this mesh use their weights as they are",
-    ),
     ("SAME_IN_RENDERS", "Use Viewport Setting in Renders", "Let renders use this modifier as the viewport does"),
     ("SELECT_OPEN_EDGES", "Select Open Edges", "Go to Edit Mode with the edges around openings selected"),
     ("SELECT_NON_MANIFOLD", "Select Edges", "Go to Edit Mode with the edges of three or more faces selected"),

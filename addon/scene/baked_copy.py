@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import bpy
 
-from . import rest
+from . import plain_rig, rest
 
 
 def make(
@@ -40,12 +40,15 @@ def discard(copy: bpy.types.Object) -> None:
     """Delete a baked copy with its mesh and the action of its keys."""
     mesh = copy.data
     keys = mesh.shape_keys
+    doubles = plain_rig.doubles_of(copy)
     action = None if keys is None or keys.animation_data is None else keys.animation_data.action
     bpy.data.objects.remove(copy)
     if mesh.users == 0:
         bpy.data.meshes.remove(mesh)
     if action is not None and action.users == 0:
         bpy.data.actions.remove(action)
+    for double in doubles:
+        plain_rig.discard(double)
 
 
 def follow_point_cache(copy: bpy.types.Object, path: str, first_frame: float, samples_per_frame: float, at: int) -> str:

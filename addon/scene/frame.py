@@ -8,13 +8,13 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from . import obstacles, placement, shape_keys, stack
+from . import obstacles, placement, shape_keys, skeleton, stack
 
 
 class FrameInputs(NamedTuple):
     """The pose, where the armature stands, and the shape keys."""
 
-    pose_matrices: NDArray[np.float32]  # (P, 4, 4) pose @ inverse(rest) of all bones of the pose, armature space
+    pose_matrices: NDArray[np.float32]  # (R, 4, 4) `skeleton.read_pose`
     object_from_armature: NDArray[np.float64]  # (4, 4)
     shape_values: NDArray[np.float32]  # (K,)
 
@@ -23,14 +23,19 @@ class FrameError(ValueError):
     """The evaluated objects cannot be read; says what to do."""
 
 
-def read_frame(target: bpy.types.Object) -> FrameInputs:
-    """`target`: the evaluated character."""
-    return read_inputs(target, rig_of(target))
+def read_frame(target: bpy.types.Object, bones: skeleton.RestBones) -> FrameInputs:
+    """`target`: the evaluated character; its bones as they were bound."""
+    return read_inputs(target, rig_of(target), bones)
 
 
-def read_inputs(target: bpy.types.Object, rig: bpy.types.Object) -> FrameInputs:
-    """Read what one frame is made of; `target` and `rig` must be evaluated copies."""
-    return FrameInputs(read_pose(rig), placement.object_from_armature(target, rig), shape_keys.read_values(target))
+def read_inputs(target: bpy.types.Object, rig: bpy.types.Object, bones: skeleton.RestBones) -> FrameInputs:
+    """Read what one frame is made of; `target` and `rig` must be evaluated copies.
+
+    Raises skeleton.PoseError where the armature is another than was bound.
+    """
+    return FrameInputs(
+        skeleton.read_pose(rig, bones), placement.object_from_armature(target, rig), shape_keys.read_values(target)
+    )
 
 
 def rig_of(target: bpy.types.Object) -> bpy.types.Object:
@@ -45,10 +50,3 @@ def armature_place(target: bpy.types.Object) -> int:
         found = obstacles.obstacle(target)
         raise FrameError("No armature" if found is None else found.text)
     return list(target.modifiers).index(armature)
-
-
-def read_pose(rig: bpy.types.Object) -> NDArray[np.float32]:
-    """(P, 4, 4) as in `FrameInputs`."""
-    columns = np.empty((len(rig.pose.bones), 4, 4), np.float32)
-    rig.pose.bones.foreach_get("matrix_channel", columns.ravel())
-    return columns.transpose(0, 2, 1)

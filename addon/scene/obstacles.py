@@ -31,7 +31,6 @@ def obstacle(ob: bpy.types.Object) -> Obstacle | None:
     if armature is not None:
         return (
             armature_obstacle(ob, armature)
-            or _rig_obstacle(ob, armature)
             or gathered(_earlier_obstacles(ob, armature))
             or gathered(_later_obstacles(ob, armature))
         )
@@ -101,9 +100,6 @@ def armature_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier
     if armature.use_multi_modifier:
         text = message("{modifier} uses Multi Modifier, which blends two armatures: turn it off", modifier=name)
         return Obstacle("multi_modifier", text, "NO_MULTI_MODIFIER", name)
-    if armature.use_bone_envelopes or not armature.use_vertex_groups:
-        text = message("{modifier} deforms by bone envelopes: use vertex groups only", modifier=name)
-        return Obstacle("bone_envelopes", text, "VERTEX_GROUPS_ONLY", name)
     if stack.is_animated(ob, armature, but=stack.FOLLOWED):
         return Obstacle(
             "armature_animated",
@@ -113,19 +109,6 @@ def armature_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier
     if keys is not None and not keys.use_relative:
         text = "Shape keys are absolute: make them Relative in the mesh's properties"
         return Obstacle("absolute_shape_keys", text)
-    return None
-
-
-def _rig_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> Obstacle | None:
-    groups = ob.vertex_groups
-    for bone in armature.object.data.bones:
-        if bone.use_deform and bone.name in groups:
-            if bone.bbone_segments > 1:
-                text = message("Bone {bone} is a bendy bone, not supported yet: set its segments to 1", bone=bone.name)
-                return Obstacle("bendy_bone", text)
-            if bone.use_envelope_multiply:
-                text = message("Bone {bone} multiplies its weights by its envelope: turn that off", bone=bone.name)
-                return Obstacle("envelope_multiply", text, "NO_ENVELOPE_MULTIPLY", armature.name)
     return None
 
 

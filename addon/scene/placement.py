@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 IDENTITY = np.eye(4)
+# Part of the mesh's size by which it may stand elsewhere without other weights of bendy bones or envelopes.
+STILL = 1e-6
 NO_INVERSE = "Object is scaled to zero: give it a scale other than 0 on every axis"
 
 
@@ -29,6 +31,26 @@ def object_from_armature(target: bpy.types.Object, rig: bpy.types.Object) -> NDA
         return np.linalg.solve(np.array(world_from_object, np.float64), np.array(world_from_armature, np.float64))
     except np.linalg.LinAlgError:
         raise PlacementError(NO_INVERSE) from None
+
+
+def corners(positions: NDArray[np.floating]) -> NDArray[np.float64]:
+    """(8, 3) of the box around positions, (N, 3)."""
+    low, high = positions.min(axis=0), positions.max(axis=0)
+    chosen = (np.arange(8)[:, None] >> np.arange(3)) & 1
+    return np.where(chosen, high, low).astype(np.float64)
+
+
+def is_elsewhere(
+    target: bpy.types.Object, now: NDArray[np.float64], bound: NDArray[np.float64], box: NDArray[np.float64]
+) -> bool:
+    """Whether the mesh stands elsewhere to its armature than when it was bound, by more than single precision.
+
+    now, bound: object_from_armature. box: `corners` of the mesh.
+    """
+    before, after = (box @ m[:3, :3].T + m[:3, 3] for m in (np.linalg.inv(bound), np.linalg.inv(now)))
+    size = np.linalg.norm(before[7] - before[0])
+    far = max(target.matrix_world.translation.length / max(target.matrix_world.median_scale, 1e-30), 1e-30)
+    return bool(np.abs(after - before).max() > STILL * size + 8.0 * np.finfo(np.float32).eps * far)
 
 
 def bound_object_from_armature(settings: bpy.types.PropertyGroup) -> NDArray[np.float64] | None:

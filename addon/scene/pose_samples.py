@@ -16,24 +16,24 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from . import drivers, frame, scene_drivers
+from . import drivers, frame, scene_drivers, skeleton
 
 # Handlers of any extension would be told of a scene that is not the artist's.
 EVENTS = ("frame_change_pre", "frame_change_post", "depsgraph_update_pre", "depsgraph_update_post")
 
 
 class PoseSamples(NamedTuple):
-    """F frames, P bones of the pose, K shape keys; as in `frame.FrameInputs`."""
+    """F frames, R rows of bones and nodes, K shape keys; as in `frame.FrameInputs`."""
 
     frames: NDArray[np.float64]  # (F,)
-    pose_matrices: NDArray[np.float32]  # (F, P, 4, 4)
+    pose_matrices: NDArray[np.float32]  # (F, R, 4, 4)
     object_from_armature: NDArray[np.float64]  # (F, 4, 4)
     shape_values: NDArray[np.float32]  # (F, K)
 
 
-def sample_poses(target: bpy.types.Object, frames: Sequence[float]) -> PoseSamples:
-    """The character's poses at these frames of its scene, sub-frames too."""
-    read = [frame.read_frame(evaluated) for evaluated in evaluated_apart(target, frames)]
+def sample_poses(target: bpy.types.Object, frames: Sequence[float], bones: skeleton.RestBones) -> PoseSamples:
+    """The character's poses at these frames of its scene, sub-frames too; its bones as they were bound."""
+    read = [frame.read_frame(evaluated, bones) for evaluated in evaluated_apart(target, frames)]
     return PoseSamples(np.asarray(frames, np.float64), *(np.stack(rows) for rows in zip(*read, strict=True)))
 
 

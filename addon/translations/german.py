@@ -582,9 +582,6 @@ TEXTS: dict[str, str] = {
     "{modifier} uses Multi Modifier, which blends two armatures: turn it off": (
         "{modifier} benutzt Multi-Modifikator und mischt zwei Armaturen: ausschalten"
     ),
-    "{modifier} deforms by bone envelopes: use vertex groups only": (
-        "{modifier} verformt durch Knochenhüllen: nur Vertex-Gruppen benutzen"
-    ),
     "{modifier} deforms again after Turgor Volume: only one Armature is supported, turn one off": (
         "{modifier} verformt nach Turgor Volume noch einmal: Nur eine Armatur geht, eine ausschalten"
     ),
@@ -618,11 +615,32 @@ TEXTS: dict[str, str] = {
     "{modifier} asks whether it is in the viewport: renders show {shown}": (
         "{modifier} fragt, ob es in der Ansicht ist: Renderings zeigen {shown}"
     ),
-    "Bone {bone} is a bendy bone, not supported yet: set its segments to 1": (
-        "Knochen {bone} ist ein Biegeknochen, was noch nicht geht: seine Segmente auf 1 setzen"
+    "{modifier} deforms neither by vertex groups nor by bones with envelopes: turn on Vertex Groups": (
+        "{modifier} verformt weder durch Vertex-Gruppen noch durch Knochen mit Hüllen: Vertex-Gruppen einschalten"
     ),
-    "Bone {bone} multiplies its weights by its envelope: turn that off": (
-        "Knochen {bone} vervielfacht seine Gewichte mit seiner Hülle: das ausschalten"
+    "{rig} moves this mesh by {count:,} bones and segments, {most:,} are possible: lower segments of bones": (
+        "{rig} bewegt dieses Netz mit {count:,} Knochen und Segmenten, höchstens {most:,} gehen:"
+        " Segmente von Biegeknochen verringern"
+    ),
+    "{what} moves skin along bendy bones or through envelopes, whose weights then change from frame to frame,"
+    " which is not followed yet: let it move other skin only, or set the bones' segments to 1": (
+        "{what} verschiebt Haut entlang von Biegeknochen oder durch Hüllen, deren Gewichte sich dann von Bild zu Bild"
+        " ändern, was noch nicht geht: nur andere Haut verschieben lassen, oder die Segmente der Knochen auf 1 setzen"
+    ),
+    "Shape key {key}": "Formschlüssel {key}",
+    "Bone {bone}, whose curve at rest is animated,": "Knochen {bone}, dessen Kurve in Ruhe animiert ist,",
+    "bend of {bone}": "Biegung von {bone}",
+    "Segments of bendy bones are others than were bound: press Rebind": (
+        "Segmente von Biegeknochen sind andere als die gebundenen: Neu binden drücken"
+    ),
+    "The mesh stands elsewhere to its armature than when bound, and bendy bones or envelopes hold it by other weights"
+    " there: put it back, or press Rebind": (
+        "Das Netz steht anders zu seiner Armatur als beim Binden, und Biegeknochen oder Hüllen halten es dort mit"
+        " anderen Gewichten: zurückstellen oder Neu binden drücken"
+    ),
+    "Bendy bones of this character lie by how others are posed: pose-driven keys cannot follow, bake its frames": (
+        "Biegeknochen dieser Figur liegen so, wie andere Knochen stehen: Von Posen getriebene Schlüssel können ihnen"
+        " nicht folgen, Bilder backen"
     ),
     "{modifier} deforms the body before Turgor Spine: move it below, or flesh its own bones": (
         "{modifier} verformt den Körper vor Turgor Spine: darunter verschieben oder dessen eigene Knochen nehmen"
@@ -658,14 +676,6 @@ TEXTS: dict[str, str] = {
     "Turn the modifier on in renders": "Den Modifikator in Renderings einschalten",
     "Turn Off Multi Modifier": "Multi-Modifikator ausschalten",
     "Let this Armature modifier deform alone": "Diesen Armatur-Modifikator allein verformen lassen",
-    "Use Vertex Groups Only": "Nur Vertex-Gruppen",
-    "Let the Armature deform by vertex groups, without bone envelopes": (
-        "Die Armatur durch Vertex-Gruppen verformen lassen, ohne Knochenhüllen"
-    ),
-    "Turn Off Envelope Multiply": "Hüllen-Faktor ausschalten",
-    "Let all bones that deform this mesh use their weights as they are": (
-        "Alle Knochen, die dieses Netz verformen, ihre Gewichte benutzen lassen, wie sie sind"
-    ),
     "Use Viewport Setting in Renders": "Wie in der Ansicht rendern",
     "Let renders use this modifier as the viewport does": (
         "Renderings diesen Modifikator benutzen lassen wie die Ansicht"

@@ -16,10 +16,16 @@ pub struct Skeleton {
 #[pymethods]
 impl Skeleton {
     #[new]
-    fn new(parents: &Bound<'_, PyAny>, rest_matrices: &Bound<'_, PyAny>) -> PyResult<Self> {
+    #[pyo3(signature = (parents, rest_matrices, segments=None))]
+    fn new(parents: &Bound<'_, PyAny>, rest_matrices: &Bound<'_, PyAny>, segments: Option<Vec<bool>>) -> PyResult<Self> {
         let parents = arrays::indices(parents, "parents")?;
         let rest = arrays::matrices(rest_matrices, "rest_matrices")?;
-        Ok(Self { inner: turgor::Skeleton::new(&parents, &rest).map_err(refused)? })
+        let skeleton = turgor::Skeleton::new(&parents, &rest).map_err(refused)?;
+        let inner = match segments {
+            Some(segments) => skeleton.with_segments(&segments).map_err(refused)?,
+            None => skeleton,
+        };
+        Ok(Self { inner })
     }
 
     #[getter]

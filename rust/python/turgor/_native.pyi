@@ -100,9 +100,13 @@ class Skeleton:
 
     parents: (B,) int32, index of the parent bone or -1; any order, no cycles.
     rest_matrices: (B, 4, 4), armature space; only heads (translations) steer the correction.
+    segments: (B,) whether a bone is a segment of its parent, as those of a bendy bone: together they are one body.
+    Where segments stand to each other is how their body bends, and no more meant than a turn.
     """
 
-    def __new__(cls, parents: ArrayLike, rest_matrices: ArrayLike) -> Skeleton: ...
+    def __new__(
+        cls, parents: ArrayLike, rest_matrices: ArrayLike, segments: Sequence[bool] | None = None
+    ) -> Skeleton: ...
     @property
     def bone_count(self) -> int: ...
 

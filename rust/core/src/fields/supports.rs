@@ -75,7 +75,7 @@ impl Supports {
         settings: &[Joint],
     ) -> Self {
         let lengths: Vec<f64> = automatic_lengths(tree, sites, rest).iter().zip(settings).map(|(l, s)| l * s.size).collect();
-        let children = tree.children();
+        let vicinities = tree.vicinities();
         let mut jobs_of_patch = Csr::default();
         let mut block_offsets = vec![0];
         let mut weights = BlockRows::default();
@@ -91,7 +91,7 @@ impl Supports {
                     rest_place += rest[site] * sites.share(site);
                     let (bones, influences) = sites.influences.of(site);
                     for (&bone, &weight) in bones.iter().zip(influences) {
-                        vicinity(tree, &children, usize::from(bone), |joint| near.push((joint, weight * sites.share(site))));
+                        near.extend(vicinities.row(usize::from(bone)).iter().map(|&joint| (joint, weight * sites.share(site))));
                     }
                 }
                 near.sort_by_key(|n| n.0);
@@ -153,19 +153,6 @@ impl Supports {
     pub fn memory_bytes(&self) -> usize {
         self.jobs_of_patch.memory_bytes() + self.weights.memory_bytes() + size_of_val(&*self.heirs) + size_of_val(&*self.lengths)
     }
-}
-
-/// Joints in whose vicinity skin of `bone` lies: its own, its children's and its parent's.
-fn vicinity(tree: &JointTree, children: &[Vec<usize>], bone: usize, mut visit: impl FnMut(usize)) {
-    if bone == tree.world() {
-        (0..tree.len()).filter(|&j| tree.parent(j).is_none()).for_each(visit);
-        return;
-    }
-    visit(bone);
-    if let Some(parent) = tree.parent(bone) {
-        visit(parent);
-    }
-    children[bone].iter().for_each(|&child| visit(child));
 }
 
 /// The bone's length, kept between bounds by how far from the joint the skin lies that blends there.

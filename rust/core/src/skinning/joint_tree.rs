@@ -28,6 +28,10 @@ pub(crate) struct JointTree {
     pub along_own: Vec<Option<DVec3>>,
     /// Joints that hang where their skin blends, not on a bone above them.
     pub is_hung: Vec<bool>,
+    /// First joint of each joint's body: itself, but for segments.
+    pub bodies: Vec<u16>,
+    /// Per bone, whether it is a segment of the one above.
+    pub is_segment: Vec<bool>,
     /// Bones that carry no weight between each joint and the one above, from above, and then the joint's own.
     pub links: Csr<u32>,
 }
@@ -63,6 +67,8 @@ impl JointTree {
             along_parent: Vec::new(),
             along_own: Vec::new(),
             is_hung: Vec::new(),
+            bodies: Vec::new(),
+            is_segment: skeleton.is_segment.clone(),
             links: Csr::default(),
         };
         let count = children.iter().map(Vec::len).sum::<usize>() as u16;
@@ -74,6 +80,8 @@ impl JointTree {
             tree.ends.push(joint + 1);
             tree.heads.push(skeleton.head(bone));
             tree.is_hung.push(is_hung[bone as usize]);
+            let above = tree.parent(usize::from(joint)).filter(|&p| skeleton.body(tree.bones[p]) == skeleton.body(bone));
+            tree.bodies.push(above.map_or(joint, |p| tree.bodies[p]));
             let between = std::iter::successors(skeleton.parents[bone as usize], |&b| skeleton.parents[b as usize]);
             let has_above = parents[bone as usize].is_some() && !is_hung[bone as usize];
             let mut links: Vec<u32> = between.take_while(|&b| has_above && masses[b as usize] <= 0.0).collect();
@@ -101,8 +109,8 @@ impl JointTree {
                 below[parent] += below[joint];
             }
         }
-        let children = self.children();
-        for (joint, children) in children.iter().enumerate() {
+        let (children, members) = (self.children(), self.members());
+        for joint in 0..self.len() {
             let head = self.heads[joint];
             let mut above = self.parent(joint);
             let mut along = None;
@@ -113,13 +121,16 @@ impl JointTree {
             self.along_parent.push(along);
             let mut reach = DVec3::ZERO;
             let mut mass = 0.0;
-            for &child in children {
+            let own = &members[joint];
+            for &child in own.iter().flat_map(|&j| &children[j]).filter(|child| !own.contains(child)) {
                 reach += (self.heads[child] - head) * below[child];
                 mass += below[child];
             }
             let to_children = if mass > 0.0 { long(reach / mass) } else { None };
-            let bone = self.bones[joint] as usize;
-            self.along_own.push(to_children.or_else(|| long(moments[bone] / masses[bone] - head)));
+            let bones = || own.iter().map(|&j| self.bones[j] as usize);
+            let mass: f64 = bones().map(|bone| masses[bone]).sum();
+            let middle = bones().map(|bone| moments[bone]).sum::<DVec3>() / mass;
+            self.along_own.push(to_children.or_else(|| long(middle - head)));
         }
     }
 
@@ -151,6 +162,35 @@ impl JointTree {
             }
         }
         children
+    }
+
+    /// Joints of the body that each joint is the first of; of the others, themselves.
+    fn members(&self) -> Vec<Vec<usize>> {
+        let mut members: Vec<Vec<usize>> = (0..self.len()).map(|joint| vec![joint]).collect();
+        for (joint, &body) in self.bodies.iter().enumerate().filter(|(joint, body)| *joint != usize::from(**body)) {
+            members[usize::from(body)].push(joint);
+        }
+        members
+    }
+
+    /// Joints in whose vicinity skin of each joint's bone lies: the first of its body, of the body above and of those below;
+    /// and of segments, its own and its neighbours'. Of the world: those that hang on nothing.
+    pub fn vicinities(&self) -> Csr<usize> {
+        let (children, members) = (self.children(), self.members());
+        let mut vicinities = Csr::default();
+        for joint in 0..self.len() {
+            let body = usize::from(self.bodies[joint]);
+            let within = |j: &usize| usize::from(self.bodies[*j]) == body;
+            let above = self.parent(body).map(|parent| usize::from(self.bodies[parent]));
+            let below = members[body].iter().flat_map(|&member| &children[member]).copied().filter(|child| !within(child));
+            let beside = self.parent(joint).into_iter().chain(children[joint].iter().copied()).filter(within);
+            let mut row: Vec<usize> = [joint, body].into_iter().chain(above).chain(below).chain(beside).collect();
+            row.sort_unstable();
+            row.dedup();
+            vicinities.push_row(row);
+        }
+        vicinities.push_row((0..self.len()).filter(|&j| self.parent(j).is_none()));
+        vicinities
     }
 
     /// Nearest joint (or the world) that both are below.

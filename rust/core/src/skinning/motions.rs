@@ -58,7 +58,8 @@ impl Motions {
                 return Some(self.channels[joint]);
             }
             let local = above.inverse() * channel;
-            if let Some(map) = intended(&local, self.bone_heads[bone as usize], size, self.tree.is_hung[joint]) {
+            let is_bent = self.tree.is_hung[joint] || self.tree.is_segment[bone as usize];
+            if let Some(map) = intended(&local, self.bone_heads[bone as usize], size, is_bent) {
                 stretched *= map;
                 is_meant = true;
             }
@@ -91,9 +92,10 @@ impl Motions {
 
 /// The shift and stretch of a bone against the one above without its turn; `None` when there is nothing but the turn.
 ///
-/// The shift of a joint that is hung where its skin blends is how a cut chain turns: no more meant than a turn.
-fn intended(local: &DAffine3, head: DVec3, size: f64, is_hung: bool) -> Option<DAffine3> {
-    let shift = if is_hung { DVec3::ZERO } else { local.transform_point3(head) - head };
+/// The shift of a joint that is hung where its skin blends is how a cut chain turns, that of a segment how its body bends: no
+/// more meant than a turn.
+fn intended(local: &DAffine3, head: DVec3, size: f64, is_bent: bool) -> Option<DAffine3> {
+    let shift = if is_bent { DVec3::ZERO } else { local.transform_point3(head) - head };
     // Half of AᵀA − 1 is the strain as long as it is small: most joints only turn, and are known by it.
     let doubled = local.matrix3.transpose() * local.matrix3 - DMat3::IDENTITY;
     let is_turn = doubled.to_cols_array().iter().all(|s| s.abs() <= INTENT_NOISE) && local.matrix3.determinant() > 0.0;

@@ -10,6 +10,8 @@ use crate::numeric::lanes::affine;
 pub struct Skeleton {
     pub(super) parents: Vec<Option<u32>>,
     pub(super) rest: Vec<DAffine3>,
+    /// Whether each bone is a segment of the one above.
+    pub(super) is_segment: Vec<bool>,
 }
 
 impl Skeleton {
@@ -41,7 +43,28 @@ impl Skeleton {
                 return Err(Error::Cycle { bone: bone as usize });
             }
         }
-        Ok(Self { parents, rest: rest_matrices.iter().map(affine).collect() })
+        let is_segment = vec![false; parents.len()];
+        Ok(Self { parents, rest: rest_matrices.iter().map(affine).collect(), is_segment })
+    }
+
+    /// Bones that are segments of the one above make one *body* with it, which bends: where the segments stand to each
+    /// other is how it bends, no more meant than a turn. Without segments each bone is a body.
+    ///
+    /// # Errors
+    /// Another number than of bones; a segment without a parent.
+    pub fn with_segments(self, is_segment: &[bool]) -> Result<Self> {
+        if is_segment.len() != self.len() {
+            return Err(Error::Length { what: "segments", found: is_segment.len(), needed: self.len() });
+        }
+        if let Some(row) = (0..self.len()).find(|&bone| is_segment[bone] && self.parents[bone].is_none()) {
+            return Err(Error::Index { what: "parents of segments", row, found: -1, limit: self.len() });
+        }
+        Ok(Self { is_segment: is_segment.to_vec(), ..self })
+    }
+
+    /// The bone whose segment this is, or itself.
+    pub(super) fn body(&self, bone: u32) -> u32 {
+        std::iter::successors(Some(bone), |&b| self.parents[b as usize].filter(|_| self.is_segment[b as usize])).last().unwrap_or(bone)
     }
 
     /// Number of bones.
