@@ -70,6 +70,7 @@ def render_init(*_arguments: Any) -> None:
     if not _is_idle():
         _start_once()
         start.bind_waiting()
+        start.follow_scripts()
     runtime.session.is_rendering = True
 
 

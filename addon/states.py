@@ -27,6 +27,14 @@ from .scene.skeleton import RestBones
 from .scene.spine_curve import SplinePoints
 
 
+class EvaluatedStack(NamedTuple):
+    """How a character is read whose stack Blender evaluates for us."""
+
+    shape_deltas: NDArray[np.float32]  # (K, N, 3)
+    has_body: bool  # the body is another one on every frame
+    corners: NDArray[np.int32] | None  # (C,) of the faces, where a modifier may make others on every frame
+
+
 class VolumeBinding(NamedTuple):
     """A character's engine and what a frame needs to call it."""
 
@@ -40,6 +48,7 @@ class VolumeBinding(NamedTuple):
     unweighted_count: int  # vertices that no bone holds
     group_names: tuple[str, ...]  # of all vertex groups
     masked_by: tuple[str, bool, str]  # `live.masks.chosen`
+    evaluated: EvaluatedStack | None  # None where the engine skins by itself
 
 
 class SpineBinding(NamedTuple):
@@ -63,7 +72,7 @@ class SettledEngine(NamedTuple):
     saved: BodySettings
     engine: turgor.VolumeSkin
     strengths: NDArray[np.float64]  # (J,) of the joints
-    armature: int  # its place in the stack
+    armature: int | None  # its place in the stack
 
 
 Binding = TypeVar("Binding")
@@ -144,6 +153,7 @@ class VolumeState(ModifierState[VolumeBinding, VolumeFigures]):
     """One character: an object with Turgor Volume."""
 
     settled: SettledEngine | None = None  # of the last frame
+    in_step: int = -1  # what evaluated copies bear that were found to be as they were bound, see `live.twins`
     mask_findings: tuple[Finding, ...] = ()
     # What binding and reading the masks cost when it was last done.
     bind_seconds: float = 0.0

@@ -12,7 +12,7 @@ from ..logic.shells import Shells
 from ..messages import message
 from ..messages import of_error as message_of
 from ..runtime import Finding
-from ..scene import modifier_inputs, node_group, spine_stack, stack
+from ..scene import modifier_inputs, node_group, spine_stack, stack, stack_proof
 from ..scene.obstacles import Obstacle
 from . import refusals
 from .binding_rules import BindError
@@ -72,6 +72,19 @@ def of_shells(target: bpy.types.Object, shells: Shells) -> list[Finding]:
         )
         found.append(finding(target, "INFO", "open_part", text, "SELECT_OPEN_EDGES"))
     return found
+
+
+def of_lane(target: bpy.types.Object, lane: stack_proof.Lane) -> Finding:
+    """The finding that the stack is read as Blender evaluates it, and why."""
+    first, *others = lane.reasons
+    text = message("Read as Blender evaluates it, which takes longer: {reason}", reason=first)
+    if others:
+        text = message(
+            "Read as Blender evaluates it, which takes longer: {reason}; and {count} more reasons",
+            reason=first,
+            count=len(others),
+        )
+    return finding(target, "INFO", "evaluated", text)
 
 
 def of_weights(target: bpy.types.Object, unweighted_count: int) -> list[Finding]:

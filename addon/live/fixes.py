@@ -9,7 +9,7 @@ import numpy as np
 
 from ..logic import orientation
 from ..messages import message
-from ..scene import drivers, mesh_selection, modifier_order, node_group, obstacles, spine_stack, stack
+from ..scene import mesh_selection, modifier_order, node_group, obstacles, spine_stack, stack
 from . import binding, spine_binding
 
 # How much more skin takes part at a joint that has no room.
@@ -40,8 +40,6 @@ def _move_below_armature(target: bpy.types.Object, subject: str, kind: str) -> N
     if ours is None or armature is None:
         raise FixError("There is no Armature modifier any more")
     modifier_order.move_below_armature(target, ours, armature)
-    if not drivers.follows(target, ours, armature):
-        drivers.follow_armature(target, ours, armature)
     binding.bind(target, accept_topology=True)
 
 
@@ -50,9 +48,18 @@ def _move_after(target: bpy.types.Object, subject: str, kind: str) -> None:
     _accept(target)
 
 
-def _turn_off(target: bpy.types.Object, subject: str, kind: str) -> None:
+def _move_above(target: bpy.types.Object, subject: str, kind: str) -> None:
     modifier = _modifier(target, subject)
-    modifier.show_viewport = modifier.show_render = False
+    try:
+        modifier_order.move_above(target, stack.volume_modifier(target), modifier)
+    except RuntimeError as error:  # of modifiers that must come first
+        raise FixError(str(error).strip()) from error
+    _accept(target)
+
+
+def _plain_parent(target: bpy.types.Object, subject: str, kind: str) -> None:
+    target.parent_type = "OBJECT"
+    _accept(target)
 
 
 def _show_in_viewport(target: bpy.types.Object, subject: str, kind: str) -> None:
@@ -151,7 +158,8 @@ APPLY: dict[str, Callable[[bpy.types.Object, str, str], None]] = {
     "REBIND": _rebind,
     "MOVE_BELOW_ARMATURE": _move_below_armature,
     "MOVE_AFTER": _move_after,
-    "TURN_OFF": _turn_off,
+    "MOVE_ABOVE": _move_above,
+    "PLAIN_PARENT": _plain_parent,
     "SHOW_IN_VIEWPORT": _show_in_viewport,
     "SHOW_IN_RENDERS": _show_in_renders,
     "NO_MULTI_MODIFIER": _no_multi_modifier,

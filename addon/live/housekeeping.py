@@ -8,7 +8,7 @@ import bpy
 
 from .. import runtime
 from ..properties.character import DATA_VERSION
-from ..scene import carrier, curves, drivers, node_group, spine_stack, stack
+from ..scene import carrier, curves, drivers, node_group, spine_stack, stack, stack_proof, twin
 from . import binding, spine_housekeeping
 from .binding_rules import is_editable
 
@@ -19,16 +19,15 @@ def characters() -> list[bpy.types.Object]:
 
 
 def add(target: bpy.types.Object) -> None:
-    """Put the modifier after the Armature and bind. The object has no obstacle and no modifier of ours."""
+    """Put the modifier after what poses the mesh and bind. The object has no obstacle and no modifier of ours."""
     armature = stack.armature_modifier(target)
-    limb = spine_stack.limb_modifier(target)
-    before = spine_stack.spine_modifier(target) if limb == armature else armature
-    place = list(target.modifiers).index(before) + 1
-    ours = stack.add_own_modifier(target, node_group.VOLUME, place, show_in_editmode=armature.show_in_editmode)
+    shows = armature is None or armature.show_in_editmode
+    ours = stack.add_own_modifier(target, node_group.VOLUME, stack.place_for_new(target), show_in_editmode=shows)
     saved = target.turgor
     saved.version = DATA_VERSION
     saved.bound_frame = bpy.context.scene.frame_current
-    drivers.follow_armature(target, ours, armature)
+    if armature is not None and not stack_proof.lane_of(target).is_evaluated:
+        drivers.follow_armature(target, ours, armature)
     carrier.assign(target, carrier.create(target))
     binding.bind(target, accept_topology=True)
 
@@ -46,6 +45,7 @@ def remove(target: bpy.types.Object) -> None:
     target.modifiers.remove(stack.volume_modifier(target))
     if holder is not None and carrier.is_orphan(holder):
         carrier.remove(holder)
+    twin.remove_unused()
     forget_settings(target)
     node_group.remove_unused()
 
@@ -87,6 +87,7 @@ def remove_orphans() -> None:
             target.modifiers.remove(stack.volume_modifier(target))
         if stack.volume_modifier(target) is None:
             forget_settings(target)
+    twin.remove_unused()
     if orphans:
         node_group.remove_unused()
 

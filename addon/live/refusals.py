@@ -7,7 +7,8 @@ import bpy
 from ..scene import stack
 
 MESH_FIXES = frozenset({"SELECT_OPEN_EDGES", "SELECT_NON_MANIFOLD", "SELECT_UNWEIGHTED", "RECALCULATE_OUTSIDE"})
-MOVING_FIXES = frozenset({"MOVE_BELOW_ARMATURE", "MOVE_AFTER"})
+OWN_MOVES = frozenset({"MOVE_BELOW_ARMATURE", "MOVE_ABOVE"})
+MOVING_FIXES = OWN_MOVES | {"MOVE_AFTER"}
 
 
 def refusal(target: bpy.types.Object, fix: str, subject: str) -> str:
@@ -21,7 +22,7 @@ def refusal(target: bpy.types.Object, fix: str, subject: str) -> str:
         if armature is not None and armature.object is not None and armature.object.data.library is not None:
             return "The armature is linked: change it in its own file"
     if fix in MOVING_FIXES and target.override_library is not None:
-        moved = stack.volume_modifier(target) if fix == "MOVE_BELOW_ARMATURE" else target.modifiers.get(subject)
+        moved = stack.volume_modifier(target) if fix in OWN_MOVES else target.modifiers.get(subject)
         if moved is not None and moved.is_override_data:
             return "The modifier comes from the library: move it there"
     return ""

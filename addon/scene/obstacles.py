@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import bpy
 
 from ..messages import Message, message
-from . import node_group, stack
+from . import node_group, stack, stack_proof
 
 # What renders show where they cannot show ours.
 PLAIN_SKINNING = message("plain skinning")
@@ -26,21 +27,54 @@ class Obstacle(NamedTuple):
 def obstacle(ob: bpy.types.Object) -> Obstacle | None:
     """Why this object cannot be corrected and what to do; None when it can."""
     armature = stack.armature_modifier(ob)
-    if armature is not None:
-        return (
-            armature_obstacle(ob, armature)
-            or _rig_obstacle(ob, armature)
-            or _earlier_obstacle(ob, armature)
-            or _later_obstacle(ob, armature)
-        )
-    if stack.volume_modifier(ob) is not None:
-        text = "No Armature modifier right before Turgor Volume: move Turgor Volume directly below it"
-        has_armature = any(modifier.type == "ARMATURE" for modifier in ob.modifiers)
-        return Obstacle("modifier_order", text, "MOVE_BELOW_ARMATURE" if has_armature else "")
-    if stack.own_modifier(ob, node_group.SPINE) is not None:
+    if armature is None:
+        found = _without_armature(ob)
+    else:
+        found = _object_obstacle(armature)
+        if found is None and not stack_proof.lane_of(ob).is_evaluated:
+            found = _envelope_obstacle(armature) or _rig_obstacle(ob, armature)
+    return found or _parent_obstacle(ob) or _simulation_obstacle(ob) or _later_obstacle(ob)
+
+
+def _without_armature(ob: bpy.types.Object) -> Obstacle | None:
+    posing = stack.posing_modifiers(ob)
+    spine = stack.own_modifier(ob, node_group.SPINE)
+    if spine is not None and all(modifier == spine or modifier.type in stack.STILL_TYPES for modifier in posing):
         text = "No Armature modifier: Turgor Spine alone keeps the volume by itself, turn on its Exact Volume"
         return Obstacle("no_armature", text)
-    return Obstacle("no_armature", "No Armature modifier: give the mesh one (Object > Parent > Armature Deform)")
+    if any(modifier.type not in stack.STILL_TYPES for modifier in posing):
+        return None
+    if any(modifier.type == "ARMATURE" for modifier in ob.modifiers):
+        text = "No Armature modifier before Turgor Volume: move Turgor Volume directly below it"
+        return Obstacle("modifier_order", text, "MOVE_BELOW_ARMATURE")
+    text = (
+        "Nothing poses the mesh: give it an Armature (Object > Parent > Armature Deform) or another deforming modifier"
+    )
+    return Obstacle("no_armature", text)
+
+
+def _parent_obstacle(ob: bpy.types.Object) -> Obstacle | None:
+    """Blender deforms by such a parent before all modifiers."""
+    if ob.parent is None or ob.parent_type not in {"ARMATURE", "LATTICE"}:
+        return None
+    text = message(
+        "The parent {parent} deforms the mesh before all modifiers: make it a plain parent, and let a modifier deform",
+        parent=ob.parent.name,
+    )
+    return Obstacle("deforming_parent", text, "PLAIN_PARENT")
+
+
+def _simulation_obstacle(ob: bpy.types.Object) -> Obstacle | None:
+    """What follows from all frames before is not the same in two evaluations."""
+    for modifier in stack.modifiers_to_own(ob):
+        if stack.is_on(modifier) and stack.simulates(modifier):
+            text = message(
+                "{modifier} simulates, and what stands before Turgor Volume has to be the same however a frame is"
+                " reached: move it after Turgor Volume",
+                modifier=modifier.name,
+            )
+            return Obstacle("simulation", text, "MOVE_AFTER", modifier.name)
+    return None
 
 
 def render_difference(
@@ -49,7 +83,21 @@ def render_difference(
     """What makes the stack before `end` another mesh in renders, where then only `shown` is seen."""
     if end is None:
         return None
-    for modifier in stack.modifiers_before(ob, end):
+    return _difference(stack.modifiers_before(ob, end), shown)
+
+
+def evaluated_difference(ob: bpy.types.Object, lane: stack_proof.Lane) -> Obstacle | None:
+    """The same for a stack that is read as Blender evaluates it: what only moves vertices may be another in renders."""
+    before = stack.modifiers_to_own(ob)
+    start = 0 if lane.moves else before.index(stack.body_end(ob))
+    deforming = stack.DEFORMING_TYPES | stack.STILL_TYPES
+    posing = (modifier for modifier in before[start:] if stack.is_on(modifier) and modifier.type not in deforming)
+    found = _difference(posing, PLAIN_SKINNING)
+    return found or (None if lane.moves else render_difference(ob, stack.body_end(ob)))
+
+
+def _difference(modifiers: Iterable[bpy.types.Modifier], shown: Message) -> Obstacle | None:
+    for modifier in modifiers:
         name = modifier.name
         if modifier.show_viewport != modifier.show_render:
             text = message(
@@ -88,18 +136,15 @@ def detail(modifier: bpy.types.Modifier) -> tuple[int, int]:
 
 
 def armature_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> Obstacle | None:
-    """What this Armature modifier does that is not followed."""
+    """What this Armature modifier does that Turgor Spine does not follow."""
     name = armature.name
-    if armature.object is None or armature.object.type != "ARMATURE":
-        return Obstacle(
-            "no_armature_object", message("Modifier {modifier} has no armature object: choose one", modifier=name)
-        )
+    if (found := _object_obstacle(armature)) is not None:
+        return found
     if armature.use_multi_modifier:
         text = message("{modifier} uses Multi Modifier, which blends two armatures: turn it off", modifier=name)
         return Obstacle("multi_modifier", text, "NO_MULTI_MODIFIER", name)
-    if armature.use_bone_envelopes or not armature.use_vertex_groups:
-        text = message("{modifier} deforms by bone envelopes: use vertex groups only", modifier=name)
-        return Obstacle("bone_envelopes", text, "VERTEX_GROUPS_ONLY", name)
+    if (found := _envelope_obstacle(armature)) is not None:
+        return found
     if stack.is_animated(ob, armature, but=stack.FOLLOWED):
         return Obstacle(
             "armature_animated",
@@ -110,6 +155,20 @@ def armature_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier
         text = "Shape keys are absolute: make them Relative in the mesh's properties"
         return Obstacle("absolute_shape_keys", text)
     return None
+
+
+def _object_obstacle(armature: bpy.types.ArmatureModifier) -> Obstacle | None:
+    if armature.object is not None and armature.object.type == "ARMATURE":
+        return None
+    text = message("Modifier {modifier} has no armature object: choose one", modifier=armature.name)
+    return Obstacle("no_armature_object", text)
+
+
+def _envelope_obstacle(armature: bpy.types.ArmatureModifier) -> Obstacle | None:
+    if not armature.use_bone_envelopes and armature.use_vertex_groups:
+        return None
+    text = message("{modifier} deforms by bone envelopes: use vertex groups only", modifier=armature.name)
+    return Obstacle("bone_envelopes", text, "VERTEX_GROUPS_ONLY", armature.name)
 
 
 def _rig_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> Obstacle | None:
@@ -125,39 +184,11 @@ def _rig_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) ->
     return None
 
 
-def _earlier_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> Obstacle | None:
-    has_shape_keys = ob.data.shape_keys is not None
-    for modifier in stack.modifiers_before(ob, armature):
-        name = modifier.name
-        if modifier.type == "ARMATURE":
-            text = message(
-                "{modifier} deforms before {armature}: only one Armature is supported, turn one off",
-                modifier=name,
-                armature=armature.name,
-            )
-            return Obstacle("second_armature", text, "TURN_OFF", name)
-        if stack.moves(modifier):
-            text = message(
-                "{modifier} can move the mesh before the Armature: move it after Turgor Volume", modifier=name
-            )
-            return Obstacle("moving_modifier", text, "MOVE_AFTER", name)
-        if stack.is_animated(ob, modifier):
-            text = message("{modifier} is animated before the Armature: move it after Turgor Volume", modifier=name)
-            return Obstacle("moving_modifier", text, "MOVE_AFTER", name)
-        if has_shape_keys and modifier.type not in stack.LINEAR_TYPES:
-            text = message(
-                "{modifier} changes shape keys before the Armature: apply it, or move it after Turgor Volume",
-                modifier=name,
-            )
-            return Obstacle("shape_key_modifier", text, "MOVE_AFTER", name)
-    return None
-
-
-def _later_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> Obstacle | None:
-    for modifier in stack.later_armatures(ob, armature):
+def _later_obstacle(ob: bpy.types.Object) -> Obstacle | None:
+    for modifier in stack.later_armatures(ob):
         text = message(
-            "{modifier} deforms again after Turgor Volume: only one Armature is supported, turn one off",
+            "{modifier} deforms again after Turgor Volume: move Turgor Volume below it",
             modifier=modifier.name,
         )
-        return Obstacle("second_armature", text, "TURN_OFF", modifier.name)
+        return Obstacle("second_armature", text, "MOVE_BELOW_ARMATURE", modifier.name)
     return None
