@@ -25,6 +25,7 @@ from .logic.sketch import LocalError, Sketch
 from .scene.settings import BodySettings
 from .scene.skeleton import RestBones
 from .scene.spine_curve import SplinePoints
+from .scene.stack import Animated
 
 
 class EvaluatedStack(NamedTuple):
@@ -33,6 +34,7 @@ class EvaluatedStack(NamedTuple):
     shape_deltas: NDArray[np.float32]  # (K, N, 3)
     has_body: bool  # the body is another one on every frame
     corners: NDArray[np.int32] | None  # (C,) of the faces, where a modifier may make others on every frame
+    suspect: str  # name of that modifier; empty without one
 
 
 class VolumeBinding(NamedTuple):
@@ -153,6 +155,7 @@ class VolumeState(ModifierState[VolumeBinding, VolumeFigures]):
     """One character: an object with Turgor Volume."""
 
     settled: SettledEngine | None = None  # of the last frame
+    animated: Animated = field(default_factory=dict)  # settings before ours, of an evaluated stack
     in_step: int = -1  # what evaluated copies bear that were found to be as they were bound, see `live.twins`
     mask_findings: tuple[Finding, ...] = ()
     # What binding and reading the masks cost when it was last done.

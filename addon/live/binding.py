@@ -58,7 +58,7 @@ def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
         if lane.is_evaluated:
             found.append(findings.of_lane(target, lane))
     character.binding, character.mask_findings = bound, ()
-    twins.renew(character)
+    twins.renew(target)
     armature = stack.armature_modifier(target)
     if character.active_bone is None and bound is not None and armature is not None:
         character.active_bone = bone_choice.active_bone_name(armature.object)
@@ -203,8 +203,8 @@ def _evaluated(target: bpy.types.Object, lane: stack_proof.Lane, read: rest.Rest
         raise BindError(_other_vertices(target, posing, read))
     fixed = stack.DEFORMING_TYPES | stack.STILL_TYPES
     looked_at = before if lane.moves else posing
-    may_change = any(modifier.type not in fixed for modifier in looked_at)
-    return EvaluatedStack(read.shape_deltas, bool(lane.moves), read.face_corners if may_change else None)
+    suspect = next((modifier.name for modifier in looked_at if modifier.type not in fixed), "")
+    return EvaluatedStack(read.shape_deltas, bool(lane.moves), read.face_corners if suspect else None, suspect)
 
 
 def _is_alike(read: rest.RestMesh, found: tuple[int, NDArray[np.int32], NDArray[np.int32]]) -> bool:

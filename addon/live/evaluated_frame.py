@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from ..messages import message
 from ..scene import carrier, frame, rest, twin
-from ..states import VolumeBinding
+from ..scene.obstacles import Obstacle
+from ..states import EvaluatedStack, VolumeBinding
+from .binding_rules import BindError
 
 
 def options(
@@ -21,7 +23,8 @@ def options(
 ) -> dict[str, Any]:
     """Arguments of `VolumeSkin.deform` by which the engine starts from what Blender evaluated, for `target` evaluated.
 
-    pose_matrices: (B, 4, 4) of the bones that were bound. Raises frame.FrameError.
+    pose_matrices: (B, 4, 4) of the bones that were bound. Raises frame.FrameError, and BindError where a modifier makes
+    other vertices now.
     """
     evaluated = bound.evaluated
     assert evaluated is not None
@@ -49,22 +52,32 @@ def _read(holder: bpy.types.Object, part: twin.Part, bound: VolumeBinding) -> ND
         raise frame.FrameError("What Blender evaluates for the character is not there yet: press Rebind")
     mesh = found.data
     positions = rest.read_positions(mesh)
-    corners = None if bound.evaluated is None else bound.evaluated.corners
-    if len(positions) != bound.body.vertex_count:
-        text = message(
-            "On this frame the stack makes {found:,} vertices, {bound:,} were bound: apply the modifier that changes"
-            " their number, or move it after Turgor Volume",
-            found=len(positions),
-            bound=bound.body.vertex_count,
-        )
-        raise frame.FrameError(text)
-    if corners is not None and not np.array_equal(rest.read_faces(mesh)[1], corners):
-        text = (
-            "On this frame the stack makes other faces than were bound: apply the modifier that changes them, or move"
-            " it after Turgor Volume"
-        )
-        raise frame.FrameError(text)
+    evaluated = bound.evaluated
+    assert evaluated is not None
+    is_alike = len(positions) == bound.body.vertex_count
+    if is_alike and evaluated.corners is not None:
+        is_alike = np.array_equal(rest.read_faces(mesh)[1], evaluated.corners)
+    if not is_alike:
+        raise BindError(_other_topology(evaluated, len(positions), bound.body.vertex_count))
     return positions
+
+
+def _other_topology(evaluated: EvaluatedStack, found: int, bound: int) -> Obstacle:
+    text = message(
+        "On this frame the stack makes {found:,} vertices or other faces, {bound:,} vertices were bound: press Rebind",
+        found=found,
+        bound=bound,
+    )
+    if not evaluated.suspect:
+        return Obstacle("other_topology", text, "REBIND")
+    text = message(
+        "{modifier} makes other vertices or faces on this frame ({found:,} vertices, {bound:,} were bound): apply it,"
+        " or move it after Turgor Volume",
+        modifier=evaluated.suspect,
+        found=found,
+        bound=bound,
+    )
+    return Obstacle("other_topology", text, "MOVE_AFTER", evaluated.suspect)
 
 
 def _shaped(bound: VolumeBinding, deltas: NDArray[np.float32], values: NDArray[np.float32]) -> NDArray[np.floating]:

@@ -20,8 +20,11 @@ def keep(target: bpy.types.Object, evaluated: EvaluatedStack | None) -> None:
     holder = carrier.carrier_of(target)
     if holder is None or not is_editable(holder) or not is_editable(target):
         return
+    before = [_is_in_step(target, holder, part) for part in _parts(evaluated)]
     twin.keep(target, holder, "pose", is_needed=evaluated is not None)
     twin.keep(target, holder, "body", is_needed=evaluated is not None and evaluated.has_body)
+    if not all(before):
+        runtime.session.behind.add(target.session_uid)
 
 
 def follow(target: bpy.types.Object) -> bool:
@@ -37,11 +40,18 @@ def follow(target: bpy.types.Object) -> bool:
     armature = stack.armature_modifier(target)
     with runtime.quiet():
         keep(target, character.binding.evaluated)
-        renew(character)
+        renew(target)
         rig = None if armature is None else armature.object
         write_tick(holder, rig, character.binding.bones, character.binding.evaluated)
     holder.turgor.carrier.mesh.update_tag()
     return True
+
+
+def of(target: bpy.types.Object) -> list[bpy.types.Object]:
+    """The twins that the carrier of a character names."""
+    holder = carrier.carrier_of(target)
+    found = [] if holder is None else [twin.of_carrier(holder, part) for part in twin.PARTS]
+    return [each for each in found if each is not None]
 
 
 def are_there(target: bpy.types.Object, *, has_body: bool) -> bool:
@@ -66,8 +76,13 @@ def sources(holder: bpy.types.Object, evaluated: EvaluatedStack | None) -> list[
     return [each for each in found if each is not None]
 
 
-def renew(character: VolumeState) -> None:
+def renew(target: bpy.types.Object) -> None:
     """Whatever was found to be in step is to be looked at again."""
+    character = runtime.character(target.session_uid)
+    is_evaluated = character.binding is not None and character.binding.evaluated is not None
+    names = {modifier.name for modifier in stack.modifiers_to_own(target)}
+    animated = stack.animated_settings(target) if is_evaluated else {}
+    character.animated = {name: settings for name, settings in animated.items() if name in names}
     character.in_step = next(_marks)
 
 
@@ -78,6 +93,8 @@ def check(target: bpy.types.Object, character: VolumeState, bound: VolumeBinding
     a number, and is looked at again only when that is gone.
     """
     saved = target.turgor
+    if character.animated and not _has_same_values(target, character, bound):
+        raise twin.StepError(f"{target.name} was changed by hand just now: evaluate the scene once more")
     if saved.in_step == character.in_step:
         return
     original = target.original
@@ -92,9 +109,16 @@ def check(target: bpy.types.Object, character: VolumeState, bound: VolumeBinding
             saved.in_step = character.in_step
 
 
+def _has_same_values(target: bpy.types.Object, character: VolumeState, bound: VolumeBinding) -> bool:
+    holder = carrier.carrier_of(target)
+    found = [] if holder is None else sources(holder, bound.evaluated)
+    return all(twin.has_same_values(target, each, character.animated) for each in found)
+
+
 def _is_there(target: bpy.types.Object, part: twin.Part) -> bool:
     holder = carrier.carrier_of(target)
-    return holder is not None and _is_in_step(target, holder, part)
+    found = None if holder is None else twin.of_carrier(holder, part)
+    return found is not None and twin.is_in_step(target, found, part, with_animated=False)
 
 
 def _is_in_step(target: bpy.types.Object, holder: bpy.types.Object, part: twin.Part) -> bool:

@@ -33,7 +33,7 @@ def obstacle(ob: bpy.types.Object) -> Obstacle | None:
         found = _object_obstacle(armature)
         if found is None and not stack_proof.lane_of(ob).is_evaluated:
             found = _envelope_obstacle(armature) or _rig_obstacle(ob, armature)
-    return found or _parent_obstacle(ob) or _simulation_obstacle(ob) or _later_obstacle(ob)
+    return found or _parent_obstacle(ob) or _simulation_obstacle(ob) or _selection_obstacle(ob) or _later_obstacle(ob)
 
 
 def _without_armature(ob: bpy.types.Object) -> Obstacle | None:
@@ -181,6 +181,19 @@ def _rig_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) ->
             if bone.use_envelope_multiply:
                 text = message("Bone {bone} multiplies its weights by its envelope: turn that off", bone=bone.name)
                 return Obstacle("envelope_multiply", text, "NO_ENVELOPE_MULTIPLY", armature.name)
+    return None
+
+
+def _selection_obstacle(ob: bpy.types.Object) -> Obstacle | None:
+    """What makes other vertices on every frame, or whenever the artist selects a bone."""
+    for modifier in stack.modifiers_to_own(ob):
+        is_selected = modifier.type == "MASK" and modifier.mode == "ARMATURE"
+        if stack.is_on(modifier) and (is_selected or modifier.type == "BUILD"):
+            text = message(
+                "{modifier} makes other vertices from frame to frame: move it after Turgor Volume",
+                modifier=modifier.name,
+            )
+            return Obstacle("moving_modifier", text, "MOVE_AFTER", modifier.name)
     return None
 
 

@@ -66,7 +66,8 @@ def lane_of(ob: bpy.types.Object) -> Lane:
 def signature(ob: bpy.types.Object) -> tuple[object, ...]:
     """What a binding depends on: while equal, the stack makes the same of an unchanged mesh, and is read alike."""
     lane = lane_of(ob)
-    return (*stack.signature(ob), lane, *([] if lane.moves else _places(ob)))
+    parent = None if ob.parent is None else ob.parent_type
+    return (*stack.signature(ob), lane, parent, *([] if lane.moves else _places(ob)))
 
 
 def _posing_reasons(ob: bpy.types.Object, animated: stack.Animated) -> Iterator[Message]:
@@ -86,6 +87,13 @@ def _posing_reasons(ob: bpy.types.Object, animated: stack.Animated) -> Iterator[
         yield message("{modifier} uses Multi Modifier", modifier=armature.name)
     if animated.get(armature.name, frozenset()) - stack.FOLLOWED:
         yield message("{modifier} has animated settings", modifier=armature.name)
+
+
+def is_blended(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> bool:
+    """Whether an Armature alone, with these settings, skins otherwise than the engine."""
+    animated = stack.animated_settings(ob).get(armature.name, frozenset())
+    is_plain = armature.use_vertex_groups and not armature.use_bone_envelopes and not armature.use_multi_modifier
+    return not is_plain or bool(animated - stack.FOLLOWED)
 
 
 def _is_limb(ob: bpy.types.Object, posing: list[bpy.types.Modifier]) -> bool:

@@ -80,15 +80,35 @@ def remove_unused(candidates: Sequence[bpy.types.Object] | None = None) -> None:
             bpy.data.objects.remove(twin)
 
 
-def is_in_step(ob: bpy.types.Object, twin: bpy.types.Object, part: Part) -> bool:
-    """Whether a twin would be made as it is. Of the originals; safe on a worker thread."""
-    return signature(ob, part) == signature(twin, part)
+def is_in_step(ob: bpy.types.Object, twin: bpy.types.Object, part: Part, *, with_animated: bool = True) -> bool:
+    """Whether a twin would be made as it is. Of the originals; safe on a worker thread.
+
+    with_animated: False leaves out values of animated settings, which Blender writes while it evaluates.
+    """
+    return signature(ob, part, with_animated) == signature(twin, part, with_animated)
 
 
-def signature(ob: bpy.types.Object, part: Part) -> tuple[object, ...]:
+def has_same_values(ob: bpy.types.Object, twin: bpy.types.Object, animated: stack.Animated) -> bool:
+    """Whether animated settings have the same values now; both evaluated. The artist may have changed one by hand."""
+    for name, settings in animated.items():
+        one, other = ob.modifiers.get(name), twin.modifiers.get(name)
+        if one is not None and other is not None and any(_value(one, key) != _value(other, key) for key in settings):
+            return False
+    return True
+
+
+def _value(modifier: bpy.types.Modifier, setting: str) -> object:
+    if modifier.type == "NODES" and modifier_inputs.has_input(modifier, setting):
+        value = modifier_inputs.read_input(modifier, setting)
+    else:
+        value = getattr(modifier, setting, None)
+    return tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
+
+
+def signature(ob: bpy.types.Object, part: Part, with_animated: bool = True) -> tuple[object, ...]:
     """What a twin has of its character, but what both follow: mesh, keyframes, drivers, place."""
     modifiers = read_modifiers(ob, part)
-    animated = stack.animated_settings(ob) if ob.animation_data is not None else {}
+    animated = {} if with_animated or ob.animation_data is None else stack.animated_settings(ob)
     pinned = ob.active_shape_key_index if ob.show_only_shape_key else -1
     return (
         ob.data.session_uid,
@@ -164,22 +184,21 @@ def _update(ob: bpy.types.Object, twin: bpy.types.Object, part: Part) -> bool:
     pairs = list(zip(read_modifiers(ob, part), read_modifiers(twin, part), strict=False))
     if any((one.name, one.type) != (other.name, other.type) for one, other in pairs) or is_in_step(ob, twin, part):
         return is_in_step(ob, twin, part)
-    animated = stack.animated_settings(ob)
     for source, copy in pairs:
-        but = animated.get(source.name, frozenset())
-        if _settings(source, but) != _settings(copy, but):
+        if _settings(source, frozenset()) != _settings(copy, frozenset()):
             # What cannot be written makes another twin.
             with suppress(AttributeError, TypeError, ValueError):
-                _write(source, copy, but)
+                _write(source, copy)
     if not is_in_step(ob, twin, part):
         return False
-    twin.update_tag()
+    # Without its keyframes, which would undo what the artist changed by hand.
+    twin.update_tag(refresh={"DATA"})
     return True
 
 
-def _write(source: bpy.types.Modifier, copy: bpy.types.Modifier, but: frozenset[str]) -> None:
+def _write(source: bpy.types.Modifier, copy: bpy.types.Modifier) -> None:
     for prop in source.bl_rna.properties:
-        if prop.is_readonly or prop.type == "COLLECTION" or prop.identifier in but | stack.NOT_SETTINGS:
+        if prop.is_readonly or prop.type == "COLLECTION" or prop.identifier in stack.NOT_SETTINGS:
             continue
         value = getattr(source, prop.identifier)
         if getattr(prop, "is_array", False):
@@ -190,7 +209,7 @@ def _write(source: bpy.types.Modifier, copy: bpy.types.Modifier, but: frozenset[
                 setattr(copy, prop.identifier, value)
     if source.type == "NODES" and source.node_group is not None:
         for identifier in modifier_inputs.identifiers(source):
-            if identifier not in but and modifier_inputs.has_input(copy, identifier):
+            if modifier_inputs.has_input(copy, identifier):
                 modifier_inputs.write_input(copy, identifier, modifier_inputs.read_input(source, identifier))
 
 
