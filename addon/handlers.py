@@ -70,6 +70,7 @@ def render_init(*_arguments: Any) -> None:
     if not _is_idle():
         _start_once()
         start.bind_waiting()
+        start.follow_scripts()
     runtime.session.is_rendering = True
 
 
@@ -103,11 +104,12 @@ def _finish(depsgraph: bpy.types.Depsgraph) -> None:
         if not bpy.app.background:
             _redraw_panels()
     if runtime.session.route == "PUSH":
-        push.write_all(depsgraph)
+        push.write_all(depsgraph, runtime.session.behind)
         if runtime.session.waiting and not runtime.session.is_rendering:
             # It found bindings that no longer fit.
             start.bind_waiting()
-            push.write_all(depsgraph)
+            push.write_all(depsgraph, runtime.session.behind)
+    runtime.session.behind.clear()
 
 
 def _redraw_panels() -> None:

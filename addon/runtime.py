@@ -80,6 +80,8 @@ class Session:
     is_started: bool = False
     is_rendering: bool = False
     is_quiet: bool = False
+    # Whose twins were changed since they were evaluated.
+    behind: set[int] = field(default_factory=set)
     bake: Bake | None = None
     # Tells files that were never saved from each other.
     unnamed: str = field(default_factory=lambda: uuid4().hex)

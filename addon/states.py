@@ -25,6 +25,16 @@ from .logic.sketch import LocalError, Sketch
 from .scene.settings import BodySettings
 from .scene.skeleton import RestBones
 from .scene.spine_curve import SplinePoints
+from .scene.stack import Animated
+
+
+class EvaluatedStack(NamedTuple):
+    """How a character is read whose stack Blender evaluates for us."""
+
+    shape_deltas: NDArray[np.float32]  # (K, N, 3)
+    has_body: bool  # the body is another one on every frame
+    corners: NDArray[np.int32] | None  # (C,) of the faces, where a modifier may make others on every frame
+    suspect: str  # name of that modifier; empty without one
 
 
 class VolumeBinding(NamedTuple):
@@ -41,6 +51,7 @@ class VolumeBinding(NamedTuple):
     group_names: tuple[str, ...]  # of all vertex groups
     masked_by: tuple[str, bool, str]  # `live.masks.chosen`
     weighed: NDArray[np.float64] | None  # `placement.corners` where weights depend on where the mesh stands
+    evaluated: EvaluatedStack | None  # None where the engine skins by itself
 
 
 class SpineBinding(NamedTuple):
@@ -64,7 +75,7 @@ class SettledEngine(NamedTuple):
     saved: BodySettings
     engine: turgor.VolumeSkin
     strengths: NDArray[np.float64]  # (J,) of the joints
-    armature: int  # its place in the stack
+    armature: int | None  # its place in the stack
 
 
 Binding = TypeVar("Binding")
@@ -149,6 +160,8 @@ class VolumeState(ModifierState[VolumeBinding, VolumeFigures]):
     """One character: an object with Turgor Volume."""
 
     settled: SettledEngine | None = None  # of the last frame
+    animated: Animated = field(default_factory=dict)  # settings before ours, of an evaluated stack
+    in_step: int = -1  # what evaluated copies bear that were found to be as they were bound, see `live.twins`
     mask_findings: tuple[Finding, ...] = ()
     # What binding and reading the masks cost when it was last done.
     bind_seconds: float = 0.0

@@ -51,6 +51,8 @@ class Job:
             raise BakeError(
                 "Corrective keys stand before an Armature, there is none: bake absolute keys or a point cache"
             )
+        if options.method in CORRECTIVE_METHODS and isinstance(self._source, VolumeFrames):
+            self._source.check_keys(is_driven=options.method == "DRIVEN")
         if options.method == "DRIVEN":
             driven.check(self._source)
         if options.method == "POINT_CACHE":

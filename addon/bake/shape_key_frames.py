@@ -34,13 +34,11 @@ def absolute(baking: Baking) -> Iterator[Progress]:
 
 
 def own_modifiers(baking: Baking, *, keep_armature: bool = False) -> list:
-    """Modifiers that a copy does without: ours, and the Armature unless its keys stand before it."""
-    target = baking.target
-    own = [stack.volume_modifier(target), spine_stack.spine_modifier(target)]
-    end = baking.source.end
-    if end.type == "ARMATURE" and not keep_armature:
-        own.append(end)
-    return [modifier for modifier in own if modifier is not None]
+    """Modifiers that a copy does without: ours, and what poses it, but the Armature that its keys stand before."""
+    target, end = baking.target, baking.source.end
+    own = [stack.volume_modifier(target), spine_stack.spine_modifier(target), *baking.source.replaced]
+    kept = end if keep_armature and end.type == "ARMATURE" else None
+    return list(dict.fromkeys(modifier for modifier in own if modifier is not None and modifier != kept))
 
 
 def tent(frames: NDArray[np.float64], number: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -61,6 +61,11 @@ class SpineFrames:
         saved = self._target.turgor_spine
         return [each for each in (saved.rig, saved.curve) if each is not None]
 
+    @property
+    def replaced(self) -> list[bpy.types.Modifier]:
+        """What a copy goes without that shows the live positions."""
+        return [self.own] if self.end.type != "ARMATURE" else [self.end, self.own]
+
     def samples(self, frames: NDArray[np.float64]) -> Iterator[Sample]:
         """Main thread only; the scene stays as it is."""
         target, saved = self._target, self._target.turgor_spine

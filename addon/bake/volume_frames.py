@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 
 from .. import runtime
 from ..live import frame as live_frame
+from ..live import twins
 from ..logic import fingerprint, range_of_motion
-from ..scene import frame, modifier_inputs, node_group, pose_samples, rest, settings, stack
+from ..messages import message
+from ..scene import frame, modifier_inputs, node_group, pose_samples, rest, settings, stack, stack_proof
 from .options import BakeError
 from .skinned_rest import Posed, posed_of
 
@@ -36,14 +38,14 @@ class VolumeFrames:
         character = runtime.character(target.session_uid)
         if character.binding is None:
             raise BakeError(f"{target.name}: Turgor Volume is not bound, see its panel")
-        armature = stack.armature_modifier(target)
-        ours = stack.volume_modifier(target)
-        for modifier in (armature, ours):
+        ours, end = stack.volume_modifier(target), stack.body_end(target)
+        evaluated = character.binding.evaluated
+        for modifier in (end, ours) if evaluated is None else (ours,):
             if not modifier.show_viewport:
                 raise BakeError(f"{modifier.name} of {target.name} is off in the viewport: turn it on")
         self._target = target
         self._character, self._bound = character, character.binding
-        self.end = armature
+        self.end = end
         self.own = ours
         self.bound_frame = target.turgor.bound_frame
         self.repairs_folds: bool = repair_folds or target.turgor.repair_folds
@@ -52,7 +54,9 @@ class VolumeFrames:
     @cached_property
     def rest(self) -> rest.RestMesh:
         """Read when it is first asked for: most bakes do without."""
-        return rest.read_rest(self._target, self.end, self.bound_frame)
+        evaluated = self._bound.evaluated
+        with_keys = evaluated is None or not evaluated.has_body
+        return rest.read_rest(self._target, self.end, self.bound_frame, with_keys=with_keys)
 
     @property
     def rest_positions(self) -> NDArray[np.float32]:
@@ -72,9 +76,32 @@ class VolumeFrames:
     @property
     def leaders(self) -> list[bpy.types.ID]:
         """What it follows."""
-        spine = self._target.turgor_spine
-        followed = (self.end.object, spine.rig, spine.curve) if self.is_fleshed else (self.end.object,)
-        return [each for each in followed if each is not None]
+        spine, armature = self._target.turgor_spine, stack.armature_modifier(self._target)
+        rig = None if armature is None else armature.object
+        followed = (rig, spine.rig, spine.curve) if self.is_fleshed else (rig,)
+        return [*(each for each in followed if each is not None), *twins.of(self._target)]
+
+    @property
+    def replaced(self) -> list[bpy.types.Modifier]:
+        """What a copy goes without that shows the live positions: ours, and all that poses the body."""
+        modifiers = list(self._target.modifiers)
+        between = modifiers[modifiers.index(self.end) : modifiers.index(self.own) + 1]
+        return [modifier for modifier in between if modifier.type not in stack.STILL_TYPES]
+
+    def check_keys(self, *, is_driven: bool) -> None:
+        """Raises BakeError where corrective keys, or those driven by the pose, cannot follow."""
+        evaluated, armature = self._bound.evaluated, stack.armature_modifier(self._target)
+        if evaluated is None:
+            return
+        lane = stack_proof.lane_of(self._target)
+        is_plain = not lane.moves and armature is not None and not stack_proof.is_blended(self._target, armature)
+        if is_driven or not is_plain:
+            text = message(
+                "Corrective keys cannot follow a stack that is read as Blender evaluates it ({reason}): choose absolute"
+                " keys or a point cache, or export USD or Alembic",
+                reason=next(iter(lane.reasons), ""),
+            )
+            raise BakeError(text)
 
     @property
     def is_fleshed(self) -> bool:

@@ -11,7 +11,7 @@ import bpy
 import turgor
 
 from .. import runtime
-from ..live import binding, spine_binding
+from ..live import binding, spine_binding, twins
 from ..logic.finding import Finding
 from ..messages import of_error
 from ..properties.character import DATA_VERSION
@@ -79,7 +79,7 @@ def _unsampled(ob: bpy.types.Object) -> list[Finding]:
     """Findings about drivers for which a bake would be refused, though renders are as they should be."""
     spine = ob.turgor_spine
     armature = stack.armature_modifier(ob)
-    followed = (ob, spine.rig, spine.curve, None if armature is None else armature.object)
+    followed = (ob, spine.rig, spine.curve, None if armature is None else armature.object, *twins.of(ob))
     try:
         scene_drivers.check(bpy.context.scene, [each for each in followed if each is not None])
     except scene_drivers.SceneDriverError as error:

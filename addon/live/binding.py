@@ -15,6 +15,7 @@ from turgor import TurgorError
 from .. import runtime
 from ..logic import body, fingerprint, weights
 from ..logic.finding import Finding
+from ..messages import message
 from ..properties.joint_names import bend_of
 from ..scene import (
     bone_choice,
@@ -28,9 +29,10 @@ from ..scene import (
     spine_chain,
     spine_stack,
     stack,
+    stack_proof,
 )
-from ..states import VolumeBinding
-from . import findings, joint_names, masks, profiles, skin
+from ..states import EvaluatedStack, VolumeBinding
+from . import findings, joint_names, masks, profiles, skin, twins
 from .binding_rules import BindError, check_topology, is_editable
 
 
@@ -41,26 +43,33 @@ def bind(target: bpy.types.Object, *, accept_topology: bool = False) -> None:
     """
     character = runtime.character(target.session_uid)
     character.name = target.name
-    character.signature = stack.signature(target)
+    character.signature = stack_proof.signature(target)
     started = perf_counter()
     found: list[Finding] = []
+    lane = stack_proof.lane_of(target)
     try:
         with runtime.quiet():
-            bound = _bind(target, character.binding, accept_topology)
+            bound, lane = _bind(target, lane, character.binding, accept_topology)
     except (BindError, rest.ShapeKeyTopologyError, placement.PlacementError, TurgorError) as error:
         bound = None
         found.append(findings.of_error(target, error))
     else:
         found += findings.of_shells(target, bound.body.shells) + findings.of_weights(target, bound.unweighted_count)
+        if lane.is_evaluated:
+            found.append(findings.of_lane(target, lane))
     character.binding, character.mask_findings = bound, ()
-    if character.active_bone is None and bound is not None:
-        character.active_bone = bone_choice.active_bone_name(stack.armature_modifier(target).object)
-    difference = obstacles.render_difference(target, stack.armature_modifier(target))
-    difference = difference or spine_stack.render_difference(target)
+    twins.renew(target)
+    armature = stack.armature_modifier(target)
+    if character.active_bone is None and bound is not None and armature is not None:
+        character.active_bone = bone_choice.active_bone_name(armature.object)
+    if bound is not None and lane.is_evaluated:
+        difference = obstacles.evaluated_difference(target, lane)
+    else:
+        difference = obstacles.render_difference(target, armature) or spine_stack.render_difference(target)
     if difference is not None:
         found.append(findings.of_obstacle(target, "WARNING", difference))
     if is_editable(target) and target.override_library is None:
-        _set_in_renders(target, difference is None)
+        _set_switches(target, is_evaluated=bound is not None and lane.is_evaluated, is_same=difference is None)
     runtime.set_bind_findings(character, target.name, tuple(found))
     refresh_state(target)
     if bound is not None:
@@ -99,7 +108,10 @@ def refresh_curves(target: bpy.types.Object) -> None:
         carrier.carrier_of(target).turgor.carrier.mesh.update_tag()
 
 
-def _bind(target: bpy.types.Object, before: VolumeBinding | None, accept_topology: bool) -> VolumeBinding:
+def _bind(
+    target: bpy.types.Object, lane: stack_proof.Lane, before: VolumeBinding | None, accept_topology: bool
+) -> tuple[VolumeBinding, stack_proof.Lane]:
+    """The binding, and how the stack is read: also as Blender evaluates it where weights of bones move."""
     obstacle = obstacles.obstacle(target)
     if obstacle is not None:
         raise BindError(obstacle)
@@ -109,26 +121,34 @@ def _bind(target: bpy.types.Object, before: VolumeBinding | None, accept_topolog
         raise BindError(obstacles.Obstacle("push_linked", text))
     armature = stack.armature_modifier(target)
     group_names = [group.name for group in target.vertex_groups]
-    read = rest.read_rest(target, armature, target.turgor.bound_frame)
+    rig = None if armature is None else armature.object
+    read = rest.read_rest(target, stack.body_end(target), target.turgor.bound_frame, with_keys=not lane.moves)
     if not len(read.positions):
         text = "The mesh has no vertices before the Armature modifier: give it some"
         raise BindError(obstacles.Obstacle("no_vertices", text))
     check_topology(target.turgor, read, accept=accept_topology)
     place = placement.bound_object_from_armature(target.turgor)
     if place is None:
-        place = placement.object_from_armature(target, armature.object)
+        place = placement.IDENTITY if rig is None else placement.object_from_armature(target, rig)
+    is_dual = _is_dual(target, armature)
     skinned = skin.read_skin(read, group_names, armature, place)
-    content = _content(read, skinned, armature)
+    content = _content(read, skinned, is_dual)
     if before is not None and is_editable(target):
         settings.rename_joints(target, _renamed(before.bones, skinned.bones))
         settings.rename_groups(target, before.group_names, group_names)
     weighed_at = place
-    place = _placement(target, armature.object, is_changed=_is_changed(before, armature.object, content))
+    place = placement.IDENTITY
+    if rig is not None:
+        place = _placement(target, rig, is_changed=_is_changed(before, rig, content))
     if skinned.is_placed and (weighed_at != place).any():
         skinned = skin.read_skin(read, group_names, armature, place)
-        content = _content(read, skinned, armature)
+        content = _content(read, skinned, is_dual)
     bones = skinned.bones
-    skin.check(skinned, armature)
+    if skinned.moving and not lane.is_evaluated:
+        lane = lane._replace(poses=(skin.moving_weights(skinned),))
+    if armature is not None:
+        skin.check(skinned, armature, is_evaluated=lane.is_evaluated)
+    evaluated = _evaluated(target, lane, read)
     if before is not None and before.content == content and (before.placement == place).all():
         made = before.body
     else:
@@ -141,7 +161,7 @@ def _bind(target: bpy.types.Object, before: VolumeBinding | None, accept_topolog
             bones.tails,
             skinned.weights,
             skinned.mask,
-            armature.use_deform_preserve_volume,
+            is_dual,
             read.shape_deltas,
             place,
             bones.is_segment,
@@ -150,27 +170,29 @@ def _bind(target: bpy.types.Object, before: VolumeBinding | None, accept_topolog
     if mask is not None or made.mask is not None:
         made = made.masked(mask)
     if is_editable(target):
-        target.turgor.settled = 0
-        _prepare_scene(target, armature.object, bones, made)
-    fleshed = _fleshed(target, bones)
-    rig, curves = armature.object.session_uid, profiles.read(target)
-    unweighted = weights.unweighted_count(skinned.weights, skinned.mask)
-    return VolumeBinding(
-        made,
-        bones,
-        rig,
-        content,
-        place,
-        curves,
-        fleshed,
-        unweighted,
-        tuple(group_names),
-        masked_by,
-        placement.corners(read.positions) if skinned.is_placed else None,
+        target.turgor.settled = target.turgor.in_step = 0
+        _prepare_scene(target, rig, bones, made, evaluated)
+    return (
+        VolumeBinding(
+            made,
+            bones,
+            0 if rig is None else rig.session_uid,
+            content,
+            place,
+            profiles.read(target),
+            _fleshed(target, bones),
+            # Of an evaluated stack others than these bones may hold them.
+            0 if lane.is_evaluated else weights.unweighted_count(skinned.weights, skinned.mask),
+            tuple(group_names),
+            masked_by,
+            placement.corners(read.positions) if skinned.is_placed and not lane.is_evaluated else None,
+            evaluated,
+        ),
+        lane,
     )
 
 
-def _content(read: rest.RestMesh, skinned: skin.Skin, armature: bpy.types.ArmatureModifier) -> str:
+def _content(read: rest.RestMesh, skinned: skin.Skin, is_dual: bool) -> str:
     """Fingerprint of all that an engine is made of. Groups that skin nothing, masks above all, do not count."""
     bones, mask = skinned.bones, skinned.mask
     nodes = () if bones.bends is None else (bones.bends.after, bones.bends.owners)
@@ -183,8 +205,59 @@ def _content(read: rest.RestMesh, skinned: skin.Skin, armature: bpy.types.Armatu
         ],
         bones.names,
         None if mask is None else mask.tobytes(),
-        armature.use_deform_preserve_volume,
+        is_dual,
     )
+
+
+def _evaluated(target: bpy.types.Object, lane: stack_proof.Lane, read: rest.RestMesh) -> EvaluatedStack | None:
+    """How Blender evaluates the stack for us. Raises BindError where it makes other vertices than the body has."""
+    if not lane.is_evaluated:
+        return None
+    if target.library is not None and not (twins.are_there(target, has_body=bool(lane.moves))):
+        text = (
+            "The character is linked and its stack is read as Blender evaluates it: open its file with this version and"
+            " save it, or make a library override"
+        )
+        raise BindError(obstacles.Obstacle("linked_twin", text))
+    before = [modifier for modifier in stack.modifiers_to_own(target) if stack.is_on(modifier)]
+    posing = stack.posing_modifiers(target)
+    frame = target.turgor.bound_frame
+    if not _is_alike(read, rest.read_topology(target, stack.volume_modifier(target), frame)):
+        raise BindError(_other_vertices(target, posing, read))
+    fixed = stack.DEFORMING_TYPES | stack.STILL_TYPES
+    looked_at = before if lane.moves else posing
+    suspect = next((modifier.name for modifier in looked_at if modifier.type not in fixed), "")
+    return EvaluatedStack(read.shape_deltas, bool(lane.moves), read.face_corners if suspect else None, suspect)
+
+
+def _is_alike(read: rest.RestMesh, found: tuple[int, NDArray[np.int32], NDArray[np.int32]]) -> bool:
+    count, offsets, corners = found
+    is_same = count == len(read.positions) and np.array_equal(offsets, read.face_offsets)
+    return is_same and np.array_equal(corners, read.face_corners)
+
+
+def _other_vertices(
+    target: bpy.types.Object, posing: list[bpy.types.Modifier], read: rest.RestMesh
+) -> obstacles.Obstacle:
+    modifiers = list(target.modifiers)
+    culprit = posing[-1]
+    for modifier in posing[:-1]:
+        following = modifiers[modifiers.index(modifier) + 1]
+        if not _is_alike(read, rest.read_topology(target, following, target.turgor.bound_frame)):
+            culprit = modifier
+            break
+    text = message(
+        "{modifier} makes other vertices or faces after what the body is: move Turgor Volume above it",
+        modifier=culprit.name,
+    )
+    return obstacles.Obstacle("posed_topology", text, "MOVE_ABOVE", culprit.name)
+
+
+def _is_dual(target: bpy.types.Object, armature: bpy.types.ArmatureModifier | None) -> bool:
+    """Whether the engine skins by dual quaternions: not where the frame decides, so that no session does."""
+    if armature is None or "use_deform_preserve_volume" in stack.animated_settings(target).get(armature.name, ()):
+        return False
+    return armature.use_deform_preserve_volume
 
 
 def _fleshed(target: bpy.types.Object, bones: skeleton.RestBones) -> list[bool] | None:
@@ -219,15 +292,29 @@ def _renamed(before: skeleton.RestBones, after: skeleton.RestBones) -> dict[str,
     return dict(renamed + [(bend_of(old), bend_of(new)) for old, new in renamed])
 
 
-def _set_in_renders(target: bpy.types.Object, is_same: bool) -> None:
+def _set_switches(target: bpy.types.Object, *, is_evaluated: bool, is_same: bool) -> None:
+    """Ours is off where the Armature is off that the engine corrects, and in renders that show another mesh."""
     ours, armature = stack.volume_modifier(target), stack.armature_modifier(target)
-    if ours is not None and armature is not None:
+    if ours is None:
+        return
+    if is_evaluated:
+        drivers.stand_alone(target, ours, in_renders=is_same)
+    elif armature is not None:
+        if not drivers.follows(target, ours, armature):
+            drivers.follow_armature(target, ours, armature)
         drivers.set_in_renders(target, ours, armature, is_same)
 
 
-def _prepare_scene(target: bpy.types.Object, rig: bpy.types.Object, bones: skeleton.RestBones, made: body.Body) -> None:
+def _prepare_scene(
+    target: bpy.types.Object,
+    rig: bpy.types.Object | None,
+    bones: skeleton.RestBones,
+    made: body.Body,
+    evaluated: EvaluatedStack | None,
+) -> None:
     settings.add_joints(target, joint_names.of_rows(bones, made.joint_bones))
     holder = carrier.carrier_of(target)
     if holder is not None and is_editable(holder):
         carrier.resize(holder, made.vertex_count)
-        drivers.write_tick(holder, drivers.bone_sources(rig, bones.names))
+        twins.keep(target, evaluated)
+        twins.write_tick(holder, rig, bones, evaluated)

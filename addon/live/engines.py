@@ -29,7 +29,7 @@ _marks = count(1)
 def settled(target: bpy.types.Object, character: VolumeState, bound: VolumeBinding) -> SettledEngine:
     """Read the settings of the evaluated `target` and make its engine, or return those of the last frame if unchanged.
 
-    Raises frame.FrameError without an armature.
+    Raises frame.FrameError where nothing poses it.
     """
     last = character.settled
     if last is not None and last.mark == target.turgor.settled and last.bound is bound:

@@ -13,7 +13,7 @@ from ..messages import message
 from ..messages import of_error as message_of
 from ..properties.joint_names import label
 from ..runtime import Finding
-from ..scene import modifier_inputs, node_group, spine_stack, stack
+from ..scene import modifier_inputs, node_group, spine_stack, stack, stack_proof
 from ..scene.gathered import listed
 from ..scene.obstacles import Obstacle
 from . import refusals
@@ -77,6 +77,19 @@ def of_shells(target: bpy.types.Object, shells: Shells) -> list[Finding]:
         )
         found.append(finding(target, "INFO", "open_part", text, "SELECT_OPEN_EDGES"))
     return found
+
+
+def of_lane(target: bpy.types.Object, lane: stack_proof.Lane) -> Finding:
+    """The finding that the stack is read as Blender evaluates it, and why."""
+    first, *others = lane.reasons
+    text = message("Read as Blender evaluates it, which takes longer: {reason}", reason=first)
+    if others:
+        text = message(
+            "Read as Blender evaluates it, which takes longer: {reason}; and {count} more reasons",
+            reason=first,
+            count=len(others),
+        )
+    return finding(target, "INFO", "evaluated", text)
 
 
 def of_weights(target: bpy.types.Object, unweighted_count: int) -> list[Finding]:

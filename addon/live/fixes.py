@@ -10,7 +10,7 @@ import numpy as np
 from .. import runtime
 from ..logic import orientation
 from ..messages import message
-from ..scene import drivers, mesh_selection, modifier_order, modifier_places, node_group, obstacles, spine_stack, stack
+from ..scene import mesh_selection, modifier_order, modifier_places, node_group, obstacles, spine_stack, stack
 from . import binding, spine_binding
 
 # How much more skin takes part at a joint that has no room.
@@ -45,8 +45,6 @@ def _move_below_armature(target: bpy.types.Object, subject: str, kind: str) -> N
     if ours is None or armature is None:
         raise FixError("There is no Armature modifier any more")
     modifier_order.move_below_armature(target, ours, armature)
-    if not drivers.follows(target, ours, armature):
-        drivers.follow_armature(target, ours, armature)
     binding.bind(target, accept_topology=True)
 
 
@@ -78,6 +76,20 @@ def _move_below(target: bpy.types.Object, subject: str, kind: str) -> None:
 def _turn_off(target: bpy.types.Object, subject: str, kind: str) -> None:
     for modifier in _modifiers(target, subject):
         modifier.show_viewport = modifier.show_render = False
+
+
+def _move_above(target: bpy.types.Object, subject: str, kind: str) -> None:
+    modifier = _modifier(target, subject)
+    try:
+        modifier_order.move_above(target, stack.volume_modifier(target), modifier)
+    except RuntimeError as error:  # of modifiers that must come first
+        raise FixError(str(error).strip()) from error
+    _accept(target)
+
+
+def _plain_parent(target: bpy.types.Object, subject: str, kind: str) -> None:
+    target.parent_type = "OBJECT"
+    _accept(target)
 
 
 def _show_in_viewport(target: bpy.types.Object, subject: str, kind: str) -> None:
@@ -178,6 +190,8 @@ APPLY: dict[str, Callable[[bpy.types.Object, str, str], None]] = {
     "MOVE_AFTER": _move_after,
     "MOVE_BELOW": _move_below,
     "TURN_OFF": _turn_off,
+    "MOVE_ABOVE": _move_above,
+    "PLAIN_PARENT": _plain_parent,
     "SHOW_IN_VIEWPORT": _show_in_viewport,
     "SHOW_IN_RENDERS": _show_in_renders,
     "NO_MULTI_MODIFIER": _no_multi_modifier,

@@ -16,9 +16,9 @@ from ..logic import figures
 from ..logic.character_figures import Folds, Timing, VolumeFigures
 from ..logic.finding import Finding
 from ..logic.lazy import Lazy
-from ..scene import frame, modifier_inputs, node_group, placement, settings, shown_mesh, stack
+from ..scene import frame, modifier_inputs, node_group, placement, settings, shown_mesh, stack, twin
 from ..states import VolumeBinding, VolumeState
-from . import engines, findings, joint_names, later_findings, spine_frame
+from . import engines, evaluated_frame, findings, joint_names, later_findings, spine_frame, twins
 from .guard import guarded
 
 
@@ -36,7 +36,13 @@ def _correct_bound(target: bpy.types.Object, character: VolumeState, address: in
     bound = character.binding
     if bound is None:
         return False
-    _correct(target, character, bound, address, vertex_count)
+    if bound.evaluated is not None and target.original.mode == "EDIT":
+        return False  # its twins share the mesh that is being edited
+    try:
+        _correct(target, character, bound, address, vertex_count)
+    except twin.StepError:
+        runtime.session.waiting.add(target.original.session_uid)
+        return False
     return True
 
 
@@ -55,8 +61,10 @@ def read(target: bpy.types.Object, character: VolumeState, bound: VolumeBinding)
 
     Raises frame.FrameError, another ValueError or turgor.TurgorError, which say why it cannot be read.
     """
+    twins.check(target, character, bound)
     now = engines.settled(target, character, bound)
-    inputs = frame.read_inputs(target, target.modifiers[now.armature].object, bound.bones)
+    rig = None if now.armature is None else target.modifiers[now.armature].object
+    inputs = frame.read_inputs(target, rig, bound.bones)
     pose_matrices, place = inputs.pose_matrices, inputs.object_from_armature
     if bound.weighed is not None and placement.is_elsewhere(target, place, bound.placement, bound.weighed):
         text = (
@@ -65,9 +73,13 @@ def read(target: bpy.types.Object, character: VolumeState, bound: VolumeBinding)
         )
         raise frame.FrameError(text)
     options = {"object_from_armature": place, "target_scale": now.saved.target_volume}
-    if len(inputs.shape_values):
+    if len(inputs.shape_values) and (bound.evaluated is None or not bound.evaluated.has_body):
         options["shape_values"] = inputs.shape_values
-    if bound.fleshed is not None and (added := spine_frame.added_offsets(target, bound.body.vertex_count)) is not None:
+    if bound.evaluated is not None:
+        options |= evaluated_frame.options(target, bound, inputs, pose_matrices)
+    elif (
+        bound.fleshed is not None and (added := spine_frame.added_offsets(target, bound.body.vertex_count)) is not None
+    ):
         options |= {"added_offsets": added, "fleshed": bound.fleshed}
     if now.saved.repair_folds:
         options["repair_folds"] = True

@@ -8,7 +8,7 @@ import bpy
 
 from .. import runtime
 from ..properties.character import DATA_VERSION
-from ..scene import carrier, curves, drivers, node_group, spine_stack, stack
+from ..scene import carrier, curves, drivers, node_group, spine_stack, stack, stack_proof, twin
 from . import binding, spine_housekeeping
 from .binding_rules import is_editable
 
@@ -18,26 +18,19 @@ def characters() -> list[bpy.types.Object]:
     return [ob for ob in bpy.data.objects if ob.type == "MESH" and stack.volume_modifier(ob) is not None]
 
 
-def place_for_new(target: bpy.types.Object) -> int:
-    """Where in the stack a new Turgor Volume goes: after the Armature, or the Turgor Spine that changes its skin."""
-    armature = stack.armature_modifier(target)
-    limb = spine_stack.limb_modifier(target)
-    before = spine_stack.spine_modifier(target) if limb == armature else armature
-    return list(target.modifiers).index(before) + 1
-
-
 def add(target: bpy.types.Object) -> None:
-    """Put the modifier after the Armature and bind. The object has no obstacle and no modifier of ours.
+    """Put the modifier after what poses the mesh and bind. The object has no obstacle and no modifier of ours.
 
     Raises modifier_places.PlaceError, and has added nothing.
     """
     armature = stack.armature_modifier(target)
-    place = place_for_new(target)
-    ours = stack.add_own_modifier(target, node_group.VOLUME, place, show_in_editmode=armature.show_in_editmode)
+    shows = armature is None or armature.show_in_editmode
+    ours = stack.add_own_modifier(target, node_group.VOLUME, stack.place_for_new(target), show_in_editmode=shows)
     saved = target.turgor
     saved.version = DATA_VERSION
     saved.bound_frame = bpy.context.scene.frame_current
-    drivers.follow_armature(target, ours, armature)
+    if armature is not None and not stack_proof.lane_of(target).is_evaluated:
+        drivers.follow_armature(target, ours, armature)
     carrier.assign(target, carrier.create(target))
     binding.bind(target, accept_topology=True)
 
@@ -55,6 +48,7 @@ def remove(target: bpy.types.Object) -> None:
     target.modifiers.remove(stack.volume_modifier(target))
     if holder is not None and carrier.is_orphan(holder):
         carrier.remove(holder)
+    twin.remove_unused()
     forget_settings(target)
     node_group.remove_unused()
 
@@ -96,6 +90,7 @@ def remove_orphans() -> None:
             target.modifiers.remove(stack.volume_modifier(target))
         if stack.volume_modifier(target) is None:
             forget_settings(target)
+    twin.remove_unused()
     if orphans:
         node_group.remove_unused()
 

@@ -35,7 +35,7 @@ def read_mask(target: bpy.types.Object) -> NDArray[np.float32] | None:
     names = [name for name in dict.fromkeys((group, pin_group)) if name in target.vertex_groups]
     if not names:
         return None
-    read = group_weights.read_groups(target, stack.armature_modifier(target), target.turgor.bound_frame, names)
+    read = group_weights.read_groups(target, stack.body_end(target), target.turgor.bound_frame, names)
     columns = dict(zip(names, read, strict=True))
     return weights.effect_mask(columns.get(group), is_inverted, columns.get(pin_group))
 

@@ -105,4 +105,5 @@ def _one(sample: Sample, bound: VolumeBinding) -> turgor.Report:
         target_scale=sample.target_scale,
         added_offsets=sample.added_offsets,
         fleshed=bound.fleshed,
+        **({} if sample.rest_positions is None else {"rest_positions": sample.rest_positions}),
     )

@@ -26,7 +26,7 @@ def look(ob: bpy.types.Object) -> OverlayFrame | None:
     target = ob.evaluated_get(bpy.context.view_layer.depsgraph)
     try:
         asked = frame.read(target, character, bound)
-        strength = _strength(target)
+        strength = _strength(target, is_evaluated=bound.evaluated is not None)
     except ValueError:  # the frame itself says so, in the panel
         return None
     if strength is None:
@@ -67,10 +67,13 @@ def observe(depsgraph: bpy.types.Depsgraph) -> None:
                 frame.observe(target)
 
 
-def _strength(target: bpy.types.Object) -> float | None:
-    """Part of the correction that the viewport shows; None where not even skinning is shown."""
+def _strength(target: bpy.types.Object, *, is_evaluated: bool) -> float | None:
+    """Part of the correction that the viewport shows; None where not even skinning is shown.
+
+    is_evaluated: more than one Armature may pose it, so that no single switch tells.
+    """
     ours, armature = stack.volume_modifier(target), stack.armature_modifier(target)
-    if armature is None or not armature.show_viewport:
+    if not is_evaluated and (armature is None or not armature.show_viewport):
         return None
     if ours is None or not ours.show_viewport or not modifier_inputs.read_input(ours, node_group.IN_VIEWPORT):
         return 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from time import perf_counter
 
 import bpy
@@ -14,14 +15,17 @@ from ..scene import carrier
 from .kinds import FRAMES
 
 
-def write_all(depsgraph: bpy.types.Depsgraph) -> None:
-    """Correct every character of this evaluation; what is equal already is not written, so nothing runs in circles."""
+def write_all(depsgraph: bpy.types.Depsgraph, behind: Collection[int] = ()) -> None:
+    """Correct every character of this evaluation; what is equal already is not written, so nothing runs in circles.
+
+    behind: session uids of those that were edited after it, which are plain until the next one.
+    """
     for holder in carrier.carriers():
         target = holder.turgor.carrier.target
         if target is not None:
             evaluated = target.evaluated_get(depsgraph)
             if evaluated.is_evaluated:
-                _write(holder, evaluated)
+                _write(holder, evaluated, is_behind=target.session_uid in behind)
 
 
 def settle(depsgraph: bpy.types.Depsgraph) -> None:
@@ -38,14 +42,14 @@ def clear_all() -> None:
         _write_changed(mesh, np.zeros((len(mesh.vertices), 3), np.float32))
 
 
-def _write(holder: bpy.types.Object, target: bpy.types.Object) -> None:
+def _write(holder: bpy.types.Object, target: bpy.types.Object, *, is_behind: bool) -> None:
     mesh = holder.turgor.carrier.mesh
     offsets = np.zeros((len(mesh.vertices), 3), np.float32)
     if not len(offsets):
         return
 
     kind = holder.turgor.carrier.kind
-    if not FRAMES[kind](target, offsets.ctypes.data, len(offsets)):
+    if is_behind or not FRAMES[kind](target, offsets.ctypes.data, len(offsets)):
         offsets[...] = 0.0
     started = perf_counter()
     _write_changed(mesh, offsets)

@@ -237,6 +237,7 @@ def _fingerprint(samples: Sequence[Sample]) -> str:
             sample.object_from_armature,
             sample.shape_values,
             np.zeros(0, np.float32) if sample.added_offsets is None else sample.added_offsets,
+            np.zeros(0, np.float32) if sample.rest_positions is None else sample.rest_positions,
         )
     ]
     return fingerprint.fingerprint(arrays, [sample.target_scale for sample in samples])
@@ -251,8 +252,7 @@ def _need(target: bpy.types.Object, bound: VolumeBinding, samples: Sequence[Samp
     geometry = bound.body.rest
     faces = Faces(geometry.face_offsets, geometry.face_corners)
     read = refined_mesh.read_surface(target.data)
-    armature = stack.armature_modifier(target)
-    origins = face_origins.face_origins(target, armature, target.turgor.bound_frame)
+    origins = face_origins.face_origins(target, stack.body_end(target), target.turgor.bound_frame)
     return Need(surface(*read[1:]), faces, geometry.positions, origins, gamma, edge_lengths)
 
 
@@ -265,6 +265,7 @@ def _of_batch(batch: Sequence[Sample], bound: VolumeBinding) -> turgor.Refinemen
         target_scale=np.array([sample.target_scale for sample in batch]),
         added_offsets=first.added_offsets,
         fleshed=None if first.added_offsets is None else bound.fleshed,
+        **({} if first.rest_positions is None else {"rest_positions": first.rest_positions}),
     )
 
 

@@ -10,7 +10,8 @@ MESH_FIXES = frozenset({"SELECT_OPEN_EDGES", "SELECT_NON_MANIFOLD", "SELECT_UNWE
 # Fixes that lead into Edit Mode.
 EDIT_FIXES = MESH_FIXES - {"RECALCULATE_OUTSIDE"}
 # Fixes that move our modifier, and those that move another.
-MOVING_FIXES = frozenset({"MOVE_BELOW_ARMATURE", "MOVE_BELOW", "MOVE_AFTER"})
+OWN_MOVES = frozenset({"MOVE_BELOW_ARMATURE", "MOVE_BELOW", "MOVE_ABOVE"})
+MOVING_FIXES = OWN_MOVES | {"MOVE_AFTER"}
 
 
 def refusal(target: bpy.types.Object, fix: str, subject: str) -> str:

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from .. import runtime
 from ..logic import range_of_motion
-from ..scene import pose_samples, settings, shape_keys, stack
+from ..scene import pose_samples, settings, shape_keys, stack_proof
 from ..states import VolumeBinding
-from . import binding, frame, joint_names
+from . import binding, frame, joint_names, twins
 from .engines import engine_of
 
 # What looking at a motion takes at most where nobody asked for it, about a second: vertices times poses, and poses.
@@ -39,15 +39,18 @@ class Sample(NamedTuple):
     pose_matrices: NDArray[np.float32]  # (B, 4, 4)
     object_from_armature: NDArray[np.float64]  # (4, 4)
     shape_values: NDArray[np.float32]  # (K,)
-    added_offsets: NDArray[np.float32] | None  # (N, 3) of Turgor Spine
+    added_offsets: NDArray[np.float32] | None  # (N, 3) of Turgor Spine, or of whatever else Blender evaluated
+    rest_positions: NDArray[np.float32] | None  # (N, 3) the body, where it is another on every frame
 
 
 def bound(target: bpy.types.Object) -> VolumeBinding:
     """The binding of a character with its stack as it is now. Raises ValueError where it is not bound."""
     character = runtime.character(target.session_uid)
-    if character.signature != stack.signature(target):
+    if character.signature != stack_proof.signature(target):
         # A script changed the stack, and nothing has been evaluated since.
         binding.bind(target)
+    else:
+        twins.follow(target)
     if character.binding is None:
         raise ValueError(character.problem or "The character is not bound: press Rebind")
     return character.binding
@@ -86,6 +89,7 @@ def samples(
             asked.options["object_from_armature"],
             asked.options.get("shape_values", np.zeros(0, np.float32)),
             asked.options.get("added_offsets"),
+            asked.options.get("rest_positions"),
         )
         tell(done + 1)
 
@@ -99,11 +103,11 @@ def turned(target: bpy.types.Object, bound: VolumeBinding) -> Iterator[Sample]:
     poses = range_of_motion.poses(bound.bones.parents.tolist(), bound.bones.rest_matrices, joints, groups)
     shape_values = np.zeros_like(shape_keys.read_values(target))
     for pose in poses:
-        yield Sample(engine, strengths, 1.0, pose, bound.placement, shape_values, None)
+        yield Sample(engine, strengths, 1.0, pose, bound.placement, shape_values, None, None)
 
 
 def batches(poses: Iterable[Sample]) -> Iterator[list[Sample]]:
-    """Lists of neighbouring samples under the same settings; of one sample where Turgor Spine adds to the skin."""
+    """Lists of neighbouring samples under the same settings; of one sample where something adds to the skin."""
     for _, alike in groupby(poses, lambda sample: id(sample.engine)):
         batch: list[Sample] = []
         for sample in alike:
@@ -121,16 +125,23 @@ class Watched:
     def __init__(self, poses: Iterator[Sample]) -> None:
         self._samples = poses
         self._first: NDArray[np.float32] | None = None
+        self._first_added: NDArray[np.float32] | None = None
         self.has_moved = False
 
     def __iter__(self) -> Iterator[Sample]:
         for sample in self._samples:
             if self._first is None:
-                self._first = sample.pose_matrices
-            least = STILL * max(float(np.abs(self._first).max(initial=0.0)), 1.0)
+                self._first, self._first_added = sample.pose_matrices, sample.added_offsets
             if not self.has_moved:
-                self.has_moved = bool(np.abs(sample.pose_matrices - self._first).max(initial=0.0) > least)
+                self.has_moved = _differ(sample.pose_matrices, self._first)
+            if not self.has_moved and sample.added_offsets is not None and self._first_added is not None:
+                self.has_moved = _differ(sample.added_offsets, self._first_added)
             yield sample
+
+
+def _differ(one: NDArray[np.float32], first: NDArray[np.float32]) -> bool:
+    least = STILL * max(float(np.abs(first).max(initial=0.0)), 1.0)
+    return bool(np.abs(one - first).max(initial=0.0) > least)
 
 
 def _quick_poses(bound: VolumeBinding | None) -> int:

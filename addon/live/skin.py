@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..logic import envelopes, node_weights, weights
 from ..logic.weights import BoneWeights
-from ..messages import message
+from ..messages import Message, message
 from ..scene import bendy, obstacles, rest, skeleton
 from .binding_rules import BindError
 
@@ -37,12 +37,18 @@ class Skin(NamedTuple):
 def read_skin(
     read: rest.RestMesh,
     group_names: list[str],
-    armature: bpy.types.ArmatureModifier,
+    armature: bpy.types.ArmatureModifier | None,
     object_from_armature: NDArray[np.float64],
     *,
     is_plain: bool = False,
 ) -> Skin:
-    """object_from_armature: where the mesh was bound. is_plain: as engines skin that know no bendy bones."""
+    """object_from_armature: where the mesh was bound. is_plain: as engines skin that know no bendy bones.
+
+    armature: None where no bones pose the mesh.
+    """
+    if armature is None or armature.object is None:
+        none = BoneWeights(np.zeros(len(read.positions) + 1, np.int32), np.zeros(0, np.int32), np.zeros(0, np.float32))
+        return Skin(skeleton.NO_BONES, none, None, False, "")
     rig = armature.object
     use_envelopes, use_groups = armature.use_bone_envelopes, armature.use_vertex_groups
     bones = skeleton.read_bones(rig, None if use_envelopes else group_names if use_groups else ())
@@ -83,10 +89,13 @@ def read_skin(
     return Skin(bent, split.on_rows(rows), mask, True, moving)
 
 
-def check(skinned: Skin, armature: bpy.types.ArmatureModifier) -> None:
-    """Raises BindError where the armature has no bones for this mesh, or too many, or weights that move."""
+def check(skinned: Skin, armature: bpy.types.ArmatureModifier, *, is_evaluated: bool) -> None:
+    """Raises BindError where the armature has too many bones for this mesh, or none.
+
+    is_evaluated: Blender evaluates the stack for us, and something else may pose the mesh.
+    """
     rig, rows = armature.object.name, len(skinned.bones.parents)
-    if not rows:
+    if not rows and not is_evaluated:
         text = message("No vertex group is named after a deform bone of {rig}: assign weights", rig=rig)
         if not armature.use_vertex_groups:
             text = message(
@@ -102,13 +111,22 @@ def check(skinned: Skin, armature: bpy.types.ArmatureModifier) -> None:
             most=MOST_ROWS,
         )
         raise BindError(obstacles.Obstacle("too_many_bones", text))
+
+
+def check_still(skinned: Skin) -> None:
+    """Raises BindError where weights change from frame to frame, for what skins by those of the bound mesh."""
     if skinned.moving:
         text = message(
-            "{what} moves skin along bendy bones or through envelopes, whose weights then change from frame to frame,"
-            " which is not followed yet: let it move other skin only, or set the bones' segments to 1",
+            "{what} moves skin along bendy bones or through envelopes, whose weights then change from frame to frame:"
+            " let it move other skin only, or set the bones' segments to 1",
             what=skinned.moving,
         )
         raise BindError(obstacles.Obstacle("moving_weights", text))
+
+
+def moving_weights(skinned: Skin) -> Message:
+    """Why weights change from frame to frame: the engine's own are those of the bound mesh."""
+    return message("{what} moves skin along bendy bones or through envelopes", what=skinned.moving)
 
 
 class _Placed:

@@ -174,7 +174,8 @@ def _limb(
     if armature is None or chain is None:
         return None, None
     skinned = skin.read_skin(read, group_names, armature, place)
-    skin.check(skinned, armature)
+    skin.check(skinned, armature, is_evaluated=False)
+    skin.check_still(skinned)
     bones = skinned.bones
     in_chain = [bones.names[bones.bone_of(row)] in chain for row in range(len(bones.parents))]
     mine = weights.of_bones(skinned.weights, np.array(in_chain, bool))

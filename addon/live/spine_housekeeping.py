@@ -7,14 +7,18 @@ from collections.abc import Iterable
 import bpy
 
 from .. import runtime
-from ..scene import carrier, drivers, node_group, spine_stack, stack
+from ..scene import carrier, drivers, node_group, spine_stack, stack, twin
 from . import spine_binding
 from .binding_rules import is_editable
 
 
 def bodies() -> list[bpy.types.Object]:
     """All objects of the file with Turgor Spine."""
-    return [ob for ob in bpy.data.objects if ob.type == "MESH" and spine_stack.spine_modifier(ob) is not None]
+    return [
+        ob
+        for ob in bpy.data.objects
+        if ob.type == "MESH" and spine_stack.spine_modifier(ob) is not None and not twin.is_twin(ob)
+    ]
 
 
 def add(target: bpy.types.Object) -> None:

@@ -6,7 +6,7 @@ import bpy
 
 from .. import runtime
 from ..properties.tagging import take_changed
-from ..scene import carrier, drivers, node_group, spine_stack, stack
+from ..scene import carrier, drivers, node_group, spine_stack, stack, stack_proof, twin
 from . import (
     active_bones,
     binding,
@@ -18,6 +18,7 @@ from . import (
     spine_binding,
     spine_housekeeping,
     strokes,
+    twins,
 )
 
 # Weights are bound anew after each stroke of the brush where it takes less.
@@ -57,15 +58,33 @@ def bind_waiting() -> None:
             if target.session_uid in session.waiting:
                 spine_binding.bind(target)
         for target in housekeeping.characters():
-            if target.session_uid in session.waiting:
+            if target.session_uid in session.waiting and not _follow_edits(target):
                 _bind_shown(target)
         session.waiting.clear()
+
+
+def follow_scripts() -> None:
+    """Take over what was edited and has not been evaluated since."""
+    for target in housekeeping.characters():
+        if target.mode not in EDITING_MODES and not _follow_edits(target):
+            character = runtime.character(target.session_uid)
+            if character.signature != stack_proof.signature(target):
+                _bind(target)
+
+
+def _follow_edits(target: bpy.types.Object) -> bool:
+    """Take over edited settings of an evaluated stack, where that is all."""
+    character = runtime.character(target.session_uid)
+    if character.binding is None or character.is_stale or character.signature != stack_proof.signature(target):
+        return False
+    return twins.follow(target)
 
 
 def follow(depsgraph: bpy.types.Depsgraph) -> None:
     """Bind again what an update made stale: whatever a character depends on updates the character too."""
     updated = {update.id.original for update in depsgraph.updates}
-    objects = [item for item in updated if isinstance(item, bpy.types.Object) and item.type == "MESH"]
+    meshes = (item for item in updated if isinstance(item, bpy.types.Object) and item.type == "MESH")
+    objects = [ob for ob in meshes if not twin.is_twin(ob)]
     _keep_house(objects)
     changed = {update.id.original for update in depsgraph.updates if update.is_updated_geometry}
     # Moving a shape key's slider updates its mesh as well; its shape changes in edit modes.
@@ -97,7 +116,7 @@ def _keep_house(objects: list[bpy.types.Object]) -> None:
 def _follow_character(target: bpy.types.Object, *, is_edited: bool) -> None:
     uid = target.session_uid
     character = runtime.character(uid)
-    is_other_stack = character.signature != stack.signature(target)
+    is_other_stack = character.signature != stack_proof.signature(target)
     if take_changed(uid) and is_edited and character.binding is not None and not (character.is_stale or is_other_stack):
         # A slider is being dragged: whether its mesh changed too can be looked at afterwards.
         strokes.when_quiet(uid, "bind", _bind, SECONDS_TO_REST)
@@ -109,6 +128,8 @@ def _follow_character(target: bpy.types.Object, *, is_edited: bool) -> None:
     masks.follow(target, is_edited=is_edited)
     refining.follow(target)
     if not character.is_stale:
+        if twins.follow(target):
+            runtime.session.waiting.discard(uid)
         follow_curves(target)
         binding.refresh_state(target)
     elif is_edited and _is_skin_painted(target) and character.bind_seconds < MOST_SECONDS_TO_BIND:

@@ -45,14 +45,16 @@ def bind(
     deltas = shape_deltas if len(shape_deltas) else None
     engine = turgor.VolumeSkin(mesh, skinning, shape_deltas=deltas, object_from_armature=object_from_armature)
     faces, heads = (face_offsets, face_corners), rest_matrices[:, :3, 3]
-    return Body(engine, RestGeometry(positions, *faces, *weights, parents, heads, tails, object_from_armature))
+    return Body(
+        engine, skinning, RestGeometry(positions, *faces, *weights, parents, heads, tails, object_from_armature)
+    )
 
 
 class Body:
     """Keeps the engine of the last settings, swapped as a whole: safe to call from several threads."""
 
-    def __init__(self, engine: turgor.VolumeSkin, rest: RestGeometry) -> None:
-        self.rest = rest
+    def __init__(self, engine: turgor.VolumeSkin, skinning: turgor.Skinning, rest: RestGeometry) -> None:
+        self.rest, self.skinning = rest, skinning
         self._unmasked = self._bound = engine
         self._mask: NDArray[np.float32] | None = None
         self._current: tuple[object, turgor.VolumeSkin, NDArray[np.float64]] = (None, engine, self._strengths(()))
@@ -94,7 +96,7 @@ class Body:
 
     def masked(self, mask: NDArray[np.float32] | None) -> Body:
         """A body with this binding under another mask, and with the settings of the last frame."""
-        made = Body(self._unmasked, self.rest)
+        made = Body(self._unmasked, self.skinning, self.rest)
         key, engine, strengths = self._current
         if mask is None:
             return made

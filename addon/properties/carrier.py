@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import ClassVar
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, PointerProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty
 
 from .tagging import OVERRIDABLE
 
@@ -32,3 +32,7 @@ class TurgorCarrier(bpy.types.PropertyGroup):
     )
     mesh: PointerProperty(type=bpy.types.Mesh, override=OVERRIDABLE)
     target: PointerProperty(type=bpy.types.Object, override=OVERRIDABLE)
+    # Of a character that is read as Blender evaluates it, see `scene.twin`; `is_twin` is set on those alone.
+    pose_twin: PointerProperty(type=bpy.types.Object, override=OVERRIDABLE)
+    body_twin: PointerProperty(type=bpy.types.Object, override=OVERRIDABLE)
+    is_twin: BoolProperty(override=OVERRIDABLE, options={"HIDDEN"})

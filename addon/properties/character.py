@@ -104,5 +104,7 @@ class TurgorObject(bpy.types.PropertyGroup):
     bound_placement: FloatVectorProperty(size=16, default=(0.0,) * 16, override=OVERRIDABLE, options={"HIDDEN"})
     # 0 but in evaluated copies: there the number of the settings that were read from it, see `live.engines`.
     settled: IntProperty(options={"HIDDEN"})
+    # The same of what its twins were compared with, see `live.twins`.
+    in_step: IntProperty(options={"HIDDEN"})
     curves: PointerProperty(type=bpy.types.ShaderNodeTree, override=OVERRIDABLE)
     carrier: PointerProperty(type=TurgorCarrier, override=OVERRIDABLE)

@@ -2,10 +2,12 @@
 
 FIXES = (
     ("REBIND", "Rebind", "Read the mesh, its weights and its armature again; settings stay"),
-    ("MOVE_BELOW_ARMATURE", "Move below Armature", "Move Turgor Volume directly below the Armature modifier"),
+    ("MOVE_BELOW_ARMATURE", "Move below Armature", "Move Turgor Volume directly below the last Armature modifier"),
     ("MOVE_AFTER", "Move below Turgor", "Move this modifier below, where it changes what Turgor made"),
     ("MOVE_BELOW", "Move Turgor below It", "Move Turgor Volume below this modifier, where it keeps the volume again"),
     ("TURN_OFF", "Turn Modifier Off", "Turn this modifier off in the viewport and in renders"),
+    ("MOVE_ABOVE", "Move Turgor above It", "Move Turgor Volume directly above this modifier"),
+    ("PLAIN_PARENT", "Plain Parent", "Let the parent move the object without deforming its mesh"),
     ("SHOW_IN_VIEWPORT", "Show in Viewport", "Turn the modifier on in the viewport"),
     ("SHOW_IN_RENDERS", "Show in Renders", "Turn the modifier on in renders"),
     ("NO_MULTI_MODIFIER", "Turn Off Multi Modifier", "Let this Armature modifier deform alone"),

@@ -47,6 +47,15 @@ def unfollow(ob: bpy.types.Object, ours: bpy.types.NodesModifier) -> None:
             modifier_inputs.write_input(ours, identifier, True)
 
 
+def stand_alone(ob: bpy.types.Object, ours: bpy.types.NodesModifier, *, in_renders: bool) -> None:
+    """Follow no Armature: on in the viewport whatever is on before, and in renders if so wanted."""
+    for identifier, value in ((node_group.IN_VIEWPORT, True), (node_group.IN_RENDER, in_renders)):
+        is_driven = ob.driver_remove(modifier_inputs.input_path(ours, identifier))
+        if is_driven or modifier_inputs.read_input(ours, identifier) != value:
+            modifier_inputs.write_input(ours, identifier, value)
+            ob.update_tag()
+
+
 def set_in_renders(
     ob: bpy.types.Object, ours: bpy.types.NodesModifier, armature: bpy.types.ArmatureModifier, is_same: bool
 ) -> None:
@@ -130,11 +139,11 @@ def _new_driver(owner: bpy.types.ID, path: str) -> bpy.types.Driver:
     return curve.driver
 
 
-def character_sources(target: bpy.types.Object, rig: bpy.types.Object) -> list[Source]:
+def character_sources(target: bpy.types.Object, rig: bpy.types.Object | None) -> list[Source]:
     """Where both stand, and all settings and shape keys of the character."""
     return [
         Source("TRANSFORMS", "OBJECT", target, ""),
-        Source("TRANSFORMS", "OBJECT", rig, ""),
+        *([] if rig is None else [Source("TRANSFORMS", "OBJECT", rig, "")]),
         # All settings of an object are evaluated as one.
         Source("SINGLE_PROP", "OBJECT", target, "turgor.target_volume"),
         *shape_key_sources(target.data.shape_keys),
@@ -161,6 +170,11 @@ def bone_sources(rig: bpy.types.Object, bone_names: Iterable[str]) -> list[Sourc
     stand = [Source("TRANSFORMS", "OBJECT", rig, name) for name in ("", *names)]
     bendy = (bpy.utils.escape_identifier(name) for name in names if rig.data.bones[name].bbone_segments > 1)
     return stand + [Source("SINGLE_PROP", "OBJECT", rig, f'pose.bones["{name}"].bbone_curveinx') for name in bendy]
+
+
+def geometry_source(ob: bpy.types.Object) -> Source:
+    """The evaluated mesh of an object."""
+    return Source("SINGLE_PROP", "OBJECT", ob, "data")
 
 
 def curve_sources(curve: bpy.types.Object) -> list[Source]:

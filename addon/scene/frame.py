@@ -28,24 +28,29 @@ def read_frame(target: bpy.types.Object, bones: skeleton.RestBones) -> FrameInpu
     return read_inputs(target, rig_of(target), bones)
 
 
-def read_inputs(target: bpy.types.Object, rig: bpy.types.Object, bones: skeleton.RestBones) -> FrameInputs:
-    """Read what one frame is made of; `target` and `rig` must be evaluated copies.
+def read_inputs(target: bpy.types.Object, rig: bpy.types.Object | None, bones: skeleton.RestBones) -> FrameInputs:
+    """Read what one frame is made of; `target` and `rig` must be evaluated copies. No rig: nothing poses by bones.
 
     Raises skeleton.PoseError where the armature is another than was bound.
     """
+    if rig is None:
+        return FrameInputs(np.zeros((0, 4, 4), np.float32), placement.IDENTITY, shape_keys.read_values(target))
     return FrameInputs(
         skeleton.read_pose(rig, bones), placement.object_from_armature(target, rig), shape_keys.read_values(target)
     )
 
 
-def rig_of(target: bpy.types.Object) -> bpy.types.Object:
-    """The armature's object, evaluated if the character is."""
-    return target.modifiers[armature_place(target)].object
+def rig_of(target: bpy.types.Object) -> bpy.types.Object | None:
+    """The armature's object, evaluated if the character is; None where other modifiers alone pose it."""
+    place = armature_place(target)
+    return None if place is None else target.modifiers[place].object
 
 
-def armature_place(target: bpy.types.Object) -> int:
-    """Place in the stack of the Armature that moves the character."""
+def armature_place(target: bpy.types.Object) -> int | None:
+    """Place in the stack of the Armature that divides it; None where other modifiers alone pose the character."""
     armature = stack.armature_modifier(target)
+    if armature is None and obstacles.obstacle(target) is None:
+        return None
     if armature is None or armature.object is None:
         found = obstacles.obstacle(target)
         raise FrameError("No armature" if found is None else found.text)

@@ -43,7 +43,7 @@ def _several(name: str, fix: str, names: Sequence[str]) -> Message | None:
         )
     if name == "second_armature":
         return message(
-            "{count} more modifiers deform by an armature: {names}; only one Armature is supported, turn them off",
+            "{count} Armature modifiers deform again after Turgor Volume: {names}; move Turgor Volume below them",
             count=count,
             names=first,
         )

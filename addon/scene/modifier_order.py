@@ -24,6 +24,13 @@ def move_below_armature(
     _move(ob, modifiers.index(ours), modifiers.index(end))
 
 
+def move_above(ob: bpy.types.Object, ours: bpy.types.Modifier, modifier: bpy.types.Modifier) -> None:
+    """Move ours right above a modifier before it. Raises RuntimeError where Blender does not let it."""
+    modifiers = list(ob.modifiers)
+    if modifiers.index(modifier) < modifiers.index(ours):
+        ob.modifiers.move(modifiers.index(ours), modifiers.index(modifier))
+
+
 def move_after(ob: bpy.types.Object, modifier: bpy.types.Modifier, ours: bpy.types.Modifier) -> None:
     """Move a modifier right after ours; nothing happens where it stands later already. Raises PlaceError."""
     modifiers = list(ob.modifiers)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import bpy
 
 from ..messages import Message, message
-from . import node_group, stack
+from . import node_group, stack, stack_proof
 from .gathered import gathered
 
 # What renders show where they cannot show ours.
@@ -22,37 +22,80 @@ class Obstacle(NamedTuple):
     id: str
     text: str
     fix: str = ""
-    subject: str = ""  # names of modifiers, one per line
+    subject: str = ""  # name of a modifier
 
 
 def obstacle(ob: bpy.types.Object) -> Obstacle | None:
     """Why this object cannot be corrected and what to do; None when it can."""
     armature = stack.armature_modifier(ob)
-    if armature is not None:
-        return (
-            armature_obstacle(ob, armature)
-            or gathered(_earlier_obstacles(ob, armature))
-            or gathered(_later_obstacles(ob, armature))
-        )
-    if stack.volume_modifier(ob) is not None:
-        text = "No Armature modifier right before Turgor Volume: move Turgor Volume directly below it"
-        has_armature = any(modifier.type == "ARMATURE" for modifier in ob.modifiers)
-        return Obstacle("modifier_order", text, "MOVE_BELOW_ARMATURE" if has_armature else "")
-    if stack.own_modifier(ob, node_group.SPINE) is not None:
+    return (
+        (_without_armature(ob) if armature is None else _object_obstacle(armature))
+        or _parent_obstacle(ob)
+        or gathered(_simulations(ob))
+        or gathered(_selections(ob))
+        or gathered(_later_armatures(ob))
+    )
+
+
+def _without_armature(ob: bpy.types.Object) -> Obstacle | None:
+    posing = stack.posing_modifiers(ob)
+    spine = stack.own_modifier(ob, node_group.SPINE)
+    if spine is not None and all(modifier == spine or modifier.type in stack.STILL_TYPES for modifier in posing):
         text = "No Armature modifier: Turgor Spine alone keeps the volume by itself, turn on its Exact Volume"
         return Obstacle("no_armature", text)
-    return Obstacle("no_armature", "No Armature modifier: give the mesh one (Object > Parent > Armature Deform)")
+    if any(modifier.type not in stack.STILL_TYPES for modifier in posing):
+        return None
+    if any(modifier.type == "ARMATURE" for modifier in ob.modifiers):
+        text = "No Armature modifier before Turgor Volume: move Turgor Volume directly below it"
+        return Obstacle("modifier_order", text, "MOVE_BELOW_ARMATURE")
+    text = (
+        "Nothing poses the mesh: give it an Armature (Object > Parent > Armature Deform) or another deforming modifier"
+    )
+    return Obstacle("no_armature", text)
+
+
+def _parent_obstacle(ob: bpy.types.Object) -> Obstacle | None:
+    """Blender deforms by such a parent before all modifiers."""
+    if ob.parent is None or ob.parent_type not in {"ARMATURE", "LATTICE"}:
+        return None
+    text = message(
+        "The parent {parent} deforms the mesh before all modifiers: make it a plain parent, and let a modifier deform",
+        parent=ob.parent.name,
+    )
+    return Obstacle("deforming_parent", text, "PLAIN_PARENT")
+
+
+def _simulations(ob: bpy.types.Object) -> Iterator[Obstacle]:
+    """What follows from all frames before is not the same in two evaluations."""
+    for modifier in stack.modifiers_to_own(ob):
+        if stack.is_on(modifier) and stack.simulates(modifier):
+            text = message(
+                "{modifier} simulates, and what stands before Turgor Volume has to be the same however a frame is"
+                " reached: move it after Turgor Volume",
+                modifier=modifier.name,
+            )
+            yield Obstacle("simulation", text, "MOVE_AFTER", modifier.name)
 
 
 def render_difference(
     ob: bpy.types.Object, end: bpy.types.Modifier | None, shown: Message = PLAIN_SKINNING
 ) -> Obstacle | None:
     """What makes the stack before `end` another mesh in renders, where then only `shown` is seen."""
-    return None if end is None else gathered(_render_differences(ob, end, shown))
+    return None if end is None else gathered(_differences(stack.modifiers_before(ob, end), shown))
 
 
-def _render_differences(ob: bpy.types.Object, end: bpy.types.Modifier, shown: Message) -> Iterator[Obstacle]:
-    for modifier in stack.modifiers_before(ob, end):
+def evaluated_difference(ob: bpy.types.Object, lane: stack_proof.Lane) -> Obstacle | None:
+    """The same for a stack that is read as Blender evaluates it: what only moves vertices may be another in renders."""
+    before = stack.modifiers_to_own(ob)
+    start = 0 if lane.moves else before.index(stack.body_end(ob))
+    deforming = stack.DEFORMING_TYPES | stack.STILL_TYPES
+    posing = (modifier for modifier in before[start:] if stack.is_on(modifier) and modifier.type not in deforming)
+    found = gathered(_differences(posing, PLAIN_SKINNING))
+    return found or (None if lane.moves else render_difference(ob, stack.body_end(ob)))
+
+
+def _differences(modifiers: Iterable[bpy.types.Modifier], shown: Message) -> Iterator[Obstacle]:
+    for modifier in modifiers:
         name = modifier.name
         if modifier.show_viewport != modifier.show_render:
             text = message(
@@ -71,6 +114,7 @@ def _render_differences(ob: bpy.types.Object, end: bpy.types.Modifier, shown: Me
                 shown=shown,
             )
             yield Obstacle("render_levels", text, "SAME_IN_RENDERS", name)
+            continue
         if modifier.type == "NODES" and stack.has_node(modifier.node_group, VIEWPORT_NODES):
             yield Obstacle(
                 "render_nodes",
@@ -91,12 +135,10 @@ def detail(modifier: bpy.types.Modifier) -> tuple[int, int]:
 
 
 def armature_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> Obstacle | None:
-    """What this Armature modifier does that is not followed."""
+    """What this Armature modifier does that Turgor Spine does not follow."""
     name = armature.name
-    if armature.object is None or armature.object.type != "ARMATURE":
-        return Obstacle(
-            "no_armature_object", message("Modifier {modifier} has no armature object: choose one", modifier=name)
-        )
+    if (found := _object_obstacle(armature)) is not None:
+        return found
     if armature.use_multi_modifier:
         text = message("{modifier} uses Multi Modifier, which blends two armatures: turn it off", modifier=name)
         return Obstacle("multi_modifier", text, "NO_MULTI_MODIFIER", name)
@@ -112,37 +154,29 @@ def armature_obstacle(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier
     return None
 
 
-def _earlier_obstacles(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> Iterator[Obstacle]:
-    has_shape_keys = ob.data.shape_keys is not None
-    for modifier in stack.modifiers_before(ob, armature):
-        name = modifier.name
-        if modifier.type == "ARMATURE":
-            text = message(
-                "{modifier} deforms before {armature}: only one Armature is supported, turn one off",
-                modifier=name,
-                armature=armature.name,
-            )
-            yield Obstacle("second_armature", text, "TURN_OFF", name)
-        elif stack.moves(modifier):
-            text = message(
-                "{modifier} can move the mesh before the Armature: move it after Turgor Volume", modifier=name
-            )
-            yield Obstacle("moving_modifier", text, "MOVE_AFTER", name)
-        elif stack.is_animated(ob, modifier):
-            text = message("{modifier} is animated before the Armature: move it after Turgor Volume", modifier=name)
-            yield Obstacle("moving_modifier", text, "MOVE_AFTER", name)
-        elif has_shape_keys and modifier.type not in stack.LINEAR_TYPES:
-            text = message(
-                "{modifier} changes shape keys before the Armature: apply it, or move it after Turgor Volume",
-                modifier=name,
-            )
-            yield Obstacle("shape_key_modifier", text, "MOVE_AFTER", name)
+def _object_obstacle(armature: bpy.types.ArmatureModifier) -> Obstacle | None:
+    if armature.object is not None and armature.object.type == "ARMATURE":
+        return None
+    text = message("Modifier {modifier} has no armature object: choose one", modifier=armature.name)
+    return Obstacle("no_armature_object", text)
 
 
-def _later_obstacles(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> Iterator[Obstacle]:
-    for modifier in stack.later_armatures(ob, armature):
+def _selections(ob: bpy.types.Object) -> Iterator[Obstacle]:
+    """What makes other vertices on every frame, or whenever the artist selects a bone."""
+    for modifier in stack.modifiers_to_own(ob):
+        is_selected = modifier.type == "MASK" and modifier.mode == "ARMATURE"
+        if stack.is_on(modifier) and (is_selected or modifier.type == "BUILD"):
+            text = message(
+                "{modifier} makes other vertices from frame to frame: move it after Turgor Volume",
+                modifier=modifier.name,
+            )
+            yield Obstacle("moving_modifier", text, "MOVE_AFTER", modifier.name)
+
+
+def _later_armatures(ob: bpy.types.Object) -> Iterator[Obstacle]:
+    for modifier in stack.later_armatures(ob):
         text = message(
-            "{modifier} deforms again after Turgor Volume: only one Armature is supported, turn one off",
+            "{modifier} deforms again after Turgor Volume: move Turgor Volume below it",
             modifier=modifier.name,
         )
-        yield Obstacle("second_armature", text, "TURN_OFF", modifier.name)
+        yield Obstacle("second_armature", text, "MOVE_BELOW_ARMATURE", modifier.name)

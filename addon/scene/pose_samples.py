@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from . import drivers, frame, scene_drivers, skeleton
+from . import carrier, drivers, frame, scene_drivers, skeleton, twin
 
 # Handlers of any extension would be told of a scene that is not the artist's.
 EVENTS = ("frame_change_pre", "frame_change_post", "depsgraph_update_pre", "depsgraph_update_post")
@@ -44,7 +44,10 @@ def evaluated_apart(target: bpy.types.Object, frames: Iterable[float]) -> Iterat
     scene_drivers.SceneDriverError.
     """
     rig = frame.rig_of(target)
-    return evaluated_after(target, frames, rig, drivers.character_sources(target, rig))
+    holder = carrier.carrier_of(target)
+    twins = [] if holder is None else [each for part in twin.PARTS if (each := twin.of_carrier(holder, part))]
+    sources = [*drivers.character_sources(target, rig), *map(drivers.geometry_source, twins)]
+    return evaluated_after(target, frames, rig, sources)
 
 
 def evaluated_after(

@@ -34,9 +34,12 @@ class ShapeKeyTopologyError(ValueError):
     """A modifier before the Armature makes other vertices with a shape key on."""
 
 
-def read_rest(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier, frame: int) -> RestMesh:
-    """Modifiers before the Armature are read as they are at `frame`, shape keys at zero and at one."""
-    with apart(ob, armature, frame, ob.data.copy()) as (copy, view_layer):
+def read_rest(ob: bpy.types.Object, end: bpy.types.Modifier | None, frame: int, *, with_keys: bool = True) -> RestMesh:
+    """Modifiers before `end`, all without one, are read as they are at `frame`, shape keys at zero and at one.
+
+    with_keys: False reads none at one.
+    """
+    with apart(ob, end, frame, ob.data.copy()) as (copy, view_layer):
         keys = copy.data.shape_keys
         shape_keys.set_all(keys, 0.0)
         evaluated = _evaluate(copy, view_layer)
@@ -46,7 +49,7 @@ def read_rest(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier, frame:
             weights = read_weights(evaluated)
         finally:
             copy.evaluated_get(view_layer.depsgraph).to_mesh_clear()
-        deltas = np.zeros((shape_keys.count(keys), *positions.shape), np.float32)
+        deltas = np.zeros((shape_keys.count(keys) if with_keys else 0, *positions.shape), np.float32)
         for index in range(len(deltas)):
             shape_keys.set_only(keys, index)
             shaped = read_positions(_evaluate(copy, view_layer))
@@ -59,6 +62,18 @@ def read_rest(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier, frame:
                 )
             deltas[index] = shaped - positions
     return RestMesh(positions, offsets, corners, *weights, deltas)
+
+
+def read_topology(
+    ob: bpy.types.Object, end: bpy.types.Modifier | None, frame: int
+) -> tuple[int, NDArray[np.int32], NDArray[np.int32]]:
+    """Number of vertices before `end`, all modifiers without one, at `frame`; offsets and corners of its faces."""
+    with apart(ob, end, frame, ob.data.copy()) as (copy, view_layer):
+        evaluated = _evaluate(copy, view_layer)
+        try:
+            return len(evaluated.vertices), *read_faces(evaluated)
+        finally:
+            copy.evaluated_get(view_layer.depsgraph).to_mesh_clear()
 
 
 def rest_mesh(ob: bpy.types.Object, end: bpy.types.Modifier, frame: int) -> bpy.types.Mesh:

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 import bpy
 
 from ..messages import message
-from . import node_group, stack
+from . import modifier_inputs, node_group, stack, stack_proof, twin
 
 FRAME_PATHS = frozenset({"frame_current", "frame_current_final", "frame_float", "frame_subframe"})
 # Of an object, by the beginning of their paths: how it is drawn, which moves nothing.
@@ -23,17 +23,17 @@ class SceneDriverError(ValueError):
 
 def check(scene: bpy.types.Scene, roots: Iterable[bpy.types.ID]) -> None:
     """Raises SceneDriverError where what moves any of `roots` reads of `scene` what changes from frame to frame."""
-    ahead = list(roots)
-    known: set[bpy.types.ID] = set()
+    ahead = [(root, twin.is_twin(root) if isinstance(root, bpy.types.Object) else False) for root in roots]
+    known: set[tuple[bpy.types.ID, bool]] = set()
     while ahead:
-        owner = ahead.pop()
-        if owner in known:
+        owner, has_geometry = ahead.pop()
+        if (owner, has_geometry) in known:
             continue
-        known.add(owner)
-        ahead += _leaders(owner)
-        for target in _read_by_drivers(owner):
+        known.add((owner, has_geometry))
+        ahead += [(leader, has_geometry) for leader in _leaders(owner, has_geometry)]
+        for target in _read_by_drivers(owner, has_geometry):
             if target.id != scene:
-                ahead.append(target.id)
+                ahead.append((target.id, has_geometry))
             elif _moves(scene, target.data_path):
                 text = message(
                     "A driver of {owner} reads {path} of the scene by its name, which cannot be baked or measured:"
@@ -44,23 +44,23 @@ def check(scene: bpy.types.Scene, roots: Iterable[bpy.types.ID]) -> None:
                 raise SceneDriverError(text)
 
 
-def _read_by_drivers(owner: bpy.types.ID) -> Iterator[bpy.types.DriverTarget]:
+def _read_by_drivers(owner: bpy.types.ID, has_geometry: bool) -> Iterator[bpy.types.DriverTarget]:
     """By those that may move something."""
     animation = getattr(owner, "animation_data", None)
     for curve in () if animation is None else animation.drivers:
-        if isinstance(owner, bpy.types.Object) and not _matters(owner, curve.data_path):
+        if isinstance(owner, bpy.types.Object) and not _matters(owner, curve.data_path, has_geometry):
             continue
         for variable in curve.driver.variables:
             if variable.type != "CONTEXT_PROP":
                 yield from (target for target in variable.targets if target.id is not None)
 
 
-def _matters(owner: bpy.types.Object, path: str) -> bool:
+def _matters(owner: bpy.types.Object, path: str, has_geometry: bool) -> bool:
     if path.startswith("modifiers["):
         return any(
             path.startswith(f'modifiers["{bpy.utils.escape_identifier(modifier.name)}"]')
             for modifier in owner.modifiers
-            if modifier.type == "HOOK" or _is_own(modifier)
+            if has_geometry or modifier.type == "HOOK" or _is_own(modifier)
         )
     return not path.startswith(_LOOKS)
 
@@ -71,8 +71,8 @@ def _is_own(modifier: bpy.types.Modifier) -> bool:
     )
 
 
-def _leaders(owner: bpy.types.ID) -> Iterator[bpy.types.ID]:
-    """What an object follows, but by drivers."""
+def _leaders(owner: bpy.types.ID, has_geometry: bool) -> Iterator[bpy.types.ID]:
+    """What an object follows, but by drivers. has_geometry: its mesh counts too, and all that moves it."""
     if not isinstance(owner, bpy.types.Object):
         return
     if owner.parent is not None:
@@ -84,7 +84,11 @@ def _leaders(owner: bpy.types.ID) -> Iterator[bpy.types.ID]:
             found += [each.target for each in getattr(constraint, "targets", ())]
             yield from (each for each in found if each is not None)
     for modifier in owner.modifiers:
-        if modifier.type == "HOOK" and modifier.object is not None:
+        if has_geometry:
+            yield from (value for _, value in stack_proof.pointers(modifier))
+            if modifier.type == "NODES" and modifier.node_group is not None:
+                yield from modifier_inputs.read_pointers(modifier)
+        elif modifier.type == "HOOK" and modifier.object is not None:
             yield modifier.object
     if owner.type in {"ARMATURE", "CURVE"}:
         yield owner.data

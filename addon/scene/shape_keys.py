@@ -33,6 +33,8 @@ def read_values(ob: bpy.types.Object) -> NDArray[np.float32]:
 def set_all(keys: bpy.types.Key | None, value: float) -> None:
     """One value for every key, none muted."""
     if keys is not None:
+        if not keys.use_relative:
+            keys.eval_time = 0.0
         for key in keys.key_blocks:
             key.slider_min, key.slider_max = -RANGE, RANGE
             key.mute, key.value = False, value

@@ -49,6 +49,17 @@ class Envelopes(NamedTuple):
     is_multiplied: NDArray[np.bool_]  # (B,) weights of the group are multiplied by the envelope
 
 
+# Of a mesh that no Armature poses.
+NO_BONES = RestBones(
+    (),
+    np.zeros(0, np.int32),
+    np.zeros((0, 4, 4)),
+    np.zeros(0, np.int32),
+    np.zeros(0, bool),
+    np.zeros((0, 3)),
+)
+
+
 def read_bones(rig: bpy.types.Object, group_names: Collection[str] | None) -> RestBones:
     """Bones whose name is a vertex group and that deform, with their ancestors, in the order of the pose.
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Mapping
 
 import bpy
 
@@ -19,12 +20,29 @@ MOVING_NODES = frozenset(
     "GeometryNodeInputSceneTime GeometryNodeObjectInfo GeometryNodeCollectionInfo GeometryNodeSimulationInput"
     " GeometryNodeInputActiveCamera GeometryNodeSelfObject".split()
 )
+SIMULATION_TYPES = frozenset("CLOTH DYNAMIC_PAINT EXPLODE FLUID PARTICLE_INSTANCE SOFT_BODY".split())
+SIMULATION_NODES = frozenset("GeometryNodeSimulationInput GeometryNodeXPBDSolver GeometryNodeBake".split())
+# Of modifiers by their names: settings, or identifiers of inputs.
+Animated = Mapping[str, frozenset[str]]
 # More levels than any subdivision has.
 ANY_LEVEL = 99
 # With these before the Armature the mesh is a weighted sum of the shape keys' meshes.
 LINEAR_TYPES = frozenset(
     "MIRROR SUBSURF TRIANGULATE MULTIRES EDGE_SPLIT MASK NORMAL_EDIT WEIGHTED_NORMAL UV_PROJECT UV_WARP"
     " VERTEX_WEIGHT_EDIT VERTEX_WEIGHT_MIX VERTEX_WEIGHT_PROXIMITY DATA_TRANSFER".split()
+)
+
+
+# They move vertices and make none.
+DEFORMING_TYPES = frozenset(
+    "ARMATURE CAST CORRECTIVE_SMOOTH CURVE DISPLACE HOOK LAPLACIANDEFORM LAPLACIANSMOOTH LATTICE MESH_CACHE MESH_DEFORM"
+    " SHRINKWRAP SIMPLE_DEFORM SMOOTH SURFACE_DEFORM VOLUME_DISPLACE WARP WAVE".split()
+)
+# They leave positions, faces and weights alone.
+IDLE_TYPES = frozenset("COLLISION NORMAL_EDIT PARTICLE_SYSTEM SURFACE UV_PROJECT UV_WARP WEIGHTED_NORMAL".split())
+# They leave positions and faces alone.
+STILL_TYPES = IDLE_TYPES | frozenset(
+    "DATA_TRANSFER VERTEX_WEIGHT_EDIT VERTEX_WEIGHT_MIX VERTEX_WEIGHT_PROXIMITY".split()
 )
 
 
@@ -63,20 +81,59 @@ def volume_modifier(ob: bpy.types.Object) -> bpy.types.NodesModifier | None:
 
 
 def armature_modifier(ob: bpy.types.Object) -> bpy.types.ArmatureModifier | None:
-    """The Armature that is corrected: right before our modifier, or the last one in use when ours is not there yet.
+    """The Armature that divides the stack: what stands before it makes the body, what stands from it on poses that.
 
-    Turgor Spine may stand between: it changes the skin of its own bones, which is then corrected too.
+    Of several before our modifier the first in use.
     """
-    modifiers: list[bpy.types.Modifier] = []
-    for modifier in ob.modifiers:
-        if modifier.type == "NODES" and node_group.is_of_kind(modifier.node_group, node_group.VOLUME):
-            is_fleshed = bool(modifiers) and modifiers[-1] == own_modifier(ob, node_group.SPINE)
-            modifiers = modifiers[-2:-1] if is_fleshed else modifiers[-1:]
-            break
-        modifiers.append(modifier)
-    armatures = [modifier for modifier in modifiers if modifier.type == "ARMATURE"]
+    armatures = [modifier for modifier in modifiers_to_own(ob) if modifier.type == "ARMATURE"]
     in_use = [modifier for modifier in armatures if is_on(modifier)]
-    return (in_use or armatures or [None])[-1]
+    able = [modifier for modifier in in_use if modifier.object is not None and modifier.object.type == "ARMATURE"]
+    return (able or in_use or armatures or [None])[0]
+
+
+def modifiers_to_own(ob: bpy.types.Object) -> list[bpy.types.Modifier]:
+    """All modifiers before Turgor Volume, or before the place that it would get."""
+    modifiers = list(ob.modifiers)
+    ours = volume_modifier(ob)
+    return modifiers[: place_for_new(ob) if ours is None else modifiers.index(ours)]
+
+
+def place_for_new(ob: bpy.types.Object) -> int:
+    """Where in the stack a new Turgor Volume goes: after what poses the mesh.
+
+    That is the last Armature, and a Turgor Spine that changes the skin of its bones; without any, the last modifier
+    that moves vertices before one that makes other vertices.
+    """
+    modifiers = list(ob.modifiers)
+    armatures = [place for place, modifier in enumerate(modifiers) if modifier.type == "ARMATURE"]
+    armatures = [place for place in armatures if is_on(modifiers[place])] or armatures
+    if armatures:
+        place = armatures[-1] + 1
+        spine = own_modifier(ob, node_group.SPINE)
+        return place + 1 if spine is not None and modifiers[place : place + 1] == [spine] else place
+    place = 0
+    for index, modifier in enumerate(modifiers):
+        if is_on(modifier) and (modifier.type in DEFORMING_TYPES or modifier.type == "NODES"):
+            place = index + 1
+        elif place and modifier.type not in STILL_TYPES and is_on(modifier):
+            break
+    return place
+
+
+def body_end(ob: bpy.types.Object) -> bpy.types.Modifier | None:
+    """The first modifier that the body does not have: the Armature, without one the first that may move vertices."""
+    armature = armature_modifier(ob)
+    if armature is not None:
+        return armature
+    posing = (each for each in ob.modifiers if is_on(each) and (each.type in DEFORMING_TYPES or each.type == "NODES"))
+    return next(posing, next(iter(ob.modifiers), None))
+
+
+def posing_modifiers(ob: bpy.types.Object) -> list[bpy.types.Modifier]:
+    """Modifiers that pose the body: in use, from the Armature, or else from the first of all, up to ours."""
+    before, end = modifiers_to_own(ob), body_end(ob)
+    first = before.index(end) if end in before else 0
+    return [modifier for modifier in before[first:] if is_on(modifier)]
 
 
 def is_on(modifier: bpy.types.Modifier) -> bool:
@@ -93,12 +150,18 @@ def modifiers_before(ob: bpy.types.Object, modifier: bpy.types.Modifier) -> Iter
             yield earlier
 
 
-def later_armatures(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> Iterator[bpy.types.ArmatureModifier]:
-    """Armature modifiers after `armature` that are on in the viewport or in renders."""
-    modifiers = list(ob.modifiers)
-    for later in modifiers[modifiers.index(armature) + 1 :]:
+def later_armatures(ob: bpy.types.Object) -> Iterator[bpy.types.ArmatureModifier]:
+    """Armature modifiers after ours that are on in the viewport or in renders."""
+    for later in list(ob.modifiers)[len(modifiers_to_own(ob)) :]:
         if later.type == "ARMATURE" and is_on(later):
             yield later
+
+
+def simulates(modifier: bpy.types.Modifier) -> bool:
+    """Whether what it makes follows from all frames before."""
+    if modifier.type == "NODES":
+        return has_node(modifier.node_group, SIMULATION_NODES)
+    return modifier.type in SIMULATION_TYPES
 
 
 def moves(modifier: bpy.types.Modifier) -> bool:
@@ -128,40 +191,74 @@ def is_animated(ob: bpy.types.Object, modifier: bpy.types.Modifier, but: frozens
     return any(path.removeprefix(f"{prefix}.") not in but for path in paths)
 
 
+def animated_settings(ob: bpy.types.Object) -> Animated:
+    """Names of settings of its modifiers that have keyframes or a driver, by name of the modifier."""
+    found: dict[str, set[str]] = {}
+    for path in animated_paths(ob.animation_data):
+        parts = re.match(r'modifiers\["((?:[^"\\]|\\.)*)"\](.*)', path)
+        if parts is not None:
+            setting = re.findall(r"\w+", parts[2].removesuffix(".value"))[-1:]
+            found.setdefault(bpy.utils.unescape_identifier(parts[1]), set()).update(setting)
+    return {name: frozenset(settings) for name, settings in found.items()}
+
+
 def animated_paths(animation: bpy.types.AnimData | None) -> Iterator[str]:
-    """Data paths with a driver, or with a curve in the active action."""
+    """Data paths with a driver, or with a curve in the active action or in a strip of the NLA."""
     if animation is None:
         return
     for curve in animation.drivers:
         yield curve.data_path
-    action = animation.action
+    yield from keyed_paths(animation)
+
+
+def keyed_paths(animation: bpy.types.AnimData) -> Iterator[str]:
+    """Data paths with a curve in the active action or in a strip of the NLA, of the slots that are used."""
+    yield from _paths_of(animation.action, animation.action_slot)
+    for track in animation.nla_tracks:
+        for strip in track.strips:
+            yield from _paths_of_strip(strip)
+
+
+def _paths_of_strip(strip: bpy.types.NlaStrip) -> Iterator[str]:
+    yield from _paths_of(strip.action, strip.action_slot)
+    for inner in strip.strips:  # of a meta strip
+        yield from _paths_of_strip(inner)
+
+
+def _paths_of(action: bpy.types.Action | None, slot: bpy.types.ActionSlot | None) -> Iterator[str]:
     if action is None:
         return
     for layer in action.layers:
         for strip in layer.strips:
             for bag in strip.channelbags:
-                for curve in bag.fcurves:
-                    yield curve.data_path
+                if slot is None or bag.slot_handle == slot.handle:
+                    for curve in bag.fcurves:
+                        yield curve.data_path
 
 
 # Switches of the user interface, and figures that Blender writes.
-_NOT_SETTINGS = frozenset(
+NOT_SETTINGS = frozenset(
     "execution_time is_active is_override_data name persistent_uid show_expanded show_group_selector show_in_editmode"
     " show_manage_panel show_on_cage use_apply_on_spline use_pin_to_last".split()
 )
 
 
 def signature(ob: bpy.types.Object) -> tuple[object, ...]:
-    """Bones at rest, and settings up to the Armature: while equal, they make the same of an unchanged mesh."""
+    """Bones at rest, and settings up to the Armature: while equal, they make the same of an unchanged mesh.
+
+    Settings that are animated are left out: where there are any, their values are of the frame.
+    """
     armature = armature_modifier(ob)
     read: list[object] = [ob.data.session_uid, [group.name for group in ob.vertex_groups]]
     if armature is not None and armature.object is not None and armature.object.type == "ARMATURE":
         read += skeleton.signature(armature.object.data)
-        read += [(later.name, later.show_viewport, later.show_render) for later in later_armatures(ob, armature)]
+    read += [(later.name, later.show_viewport, later.show_render) for later in later_armatures(ob)]
     read.append(shape_key_settings(ob.data.shape_keys))
     spine = own_modifier(ob, node_group.SPINE)
     read.append(None if spine is None else (spine.name, spine.show_viewport, spine.show_render))
-    return (*read, *settings_before(ob, armature), [] if armature is None else settings_of(armature))
+    animated = animated_settings(ob)
+    read += settings_before(ob, body_end(ob), animated)
+    return (*read, [] if armature is None else settings_of(armature, animated.get(armature.name, frozenset())))
 
 
 def most_levels() -> tuple[int, int]:
@@ -179,24 +276,29 @@ def shape_key_settings(keys: bpy.types.Key | None) -> list[object]:
     return [keys.use_relative, [(key.name, key.relative_key.name, key.vertex_group) for key in keys.key_blocks]]
 
 
-def settings_before(ob: bpy.types.Object, end: bpy.types.Modifier | None) -> list[object]:
-    """Settings of all modifiers before `end`."""
+def settings_before(
+    ob: bpy.types.Object, end: bpy.types.Modifier | None, animated: Animated | None = None
+) -> list[object]:
+    """Settings of all modifiers before `end`; those of `animated` left out."""
     modifiers = list(ob.modifiers)
     before = modifiers if end is None else modifiers[: modifiers.index(end)]
-    return [most_levels(), *(settings_of(modifier) for modifier in before)]
+    but = animated or {}
+    return [most_levels(), *(settings_of(modifier, but.get(modifier.name, frozenset())) for modifier in before)]
 
 
-def settings_of(modifier: bpy.types.Modifier) -> list[object]:
-    """Plain values of all settings of a modifier; other data by its uid."""
+def settings_of(modifier: bpy.types.Modifier, but: frozenset[str] = frozenset()) -> list[object]:
+    """Plain values of all settings of a modifier but these; other data by its uid."""
     found: list[object] = [modifier.name]
     for prop in modifier.bl_rna.properties:
-        if prop.identifier in _NOT_SETTINGS or prop.type == "COLLECTION":
+        if prop.identifier in NOT_SETTINGS or prop.identifier in but or prop.type == "COLLECTION":
             continue
         value = getattr(modifier, prop.identifier)
         if isinstance(value, bpy.types.ID):
             found.append(value.session_uid)
+        elif isinstance(value, bpy.types.CurveMapping):
+            found.append([(*point.location, point.handle_type) for curve in value.curves for point in curve.points])
         elif prop.type != "POINTER":
             found.append(tuple(value) if getattr(prop, "is_array", False) else value)
     if modifier.type == "NODES" and modifier.node_group is not None:
-        found += modifier_inputs.read_values(modifier)
+        found += modifier_inputs.read_values(modifier, but)
     return found

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from measure import positions, relative_error, volume
-from tube import LENGTH, add_turgor, place, rig, set_strength, tube_mesh, weigh
+from tube import LENGTH, add_turgor, place, rig, set_strength, tube_mesh
 
 PARITY = 1e-5
 VOLUME_TOLERANCE = 1e-6
