@@ -1,0 +1,95 @@
+"""Characters of all of Rigify's metarigs, as they come: bendy bones, tweaks, Stretch To, driven ease."""
+
+from __future__ import annotations
+
+import importlib
+import subprocess
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from measure import positions, relative_error, volume
+from rigify_characters import METARIGS
+from tube import add_turgor, set_strength
+
+PARITY = 1e-5
+VOLUME_TOLERANCE = 1e-6
+
+
+@pytest.fixture(scope="session")
+def characters(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("rigify")
+    script = Path(__file__).with_name("rigify_characters.py")
+    subprocess.run([sys.executable, str(script), str(folder), *METARIGS], check=True, capture_output=True, timeout=540)
+    return folder
+
+
+def load(characters: Path, metarig: str) -> tuple[bpy.types.Object, bpy.types.Object]:
+    """Its body and rig, with the modifier."""
+    bpy.ops.wm.open_mainfile(filepath=str(characters / f"{metarig}.blend"))
+    ob = bpy.data.objects["Body"]
+    return ob, ob.modifiers["Armature"].object
+
+
+def controls(rig: bpy.types.Object) -> list[bpy.types.PoseBone]:
+    return [bone for bone in rig.pose.bones if bone.custom_shape is not None]
+
+
+def turn(bone: bpy.types.PoseBone, angles: np.ndarray) -> None:
+    mode, bone.rotation_mode = bone.rotation_mode, "XYZ"
+    bone.rotation_euler = angles
+    bone.rotation_mode = mode
+
+
+def pose_at_random(rig: bpy.types.Object, random: np.random.Generator, *, with_ease: bool = True) -> None:
+    """All controls a little, tweaks moved; with_ease: and rubbery, which moves the rest of bendy bones too."""
+    size = max(rig.dimensions)
+    for bone in controls(rig):
+        if bone.name == "root":
+            continue
+        turn(bone, random.normal(scale=0.12, size=3))
+        if "tweak" in bone.name:
+            bone.location = random.normal(scale=0.01 * size, size=3)
+        for name in bone.keys():
+            if name == "IK_FK" or (with_ease and name == "rubber_tweak"):
+                bone[name] = float(random.random())
+    rig.update_tag()
+
+
+def check(ob: bpy.types.Object, runtime) -> None:
+    """Skin as Blender's and the engine's target volume to rounding."""
+    bpy.context.view_layer.update()
+    frame = importlib.import_module("addon.live.frame")
+    character = runtime.character(ob.session_uid)
+    assert character.problem is None
+    asked = frame.read(ob.evaluated_get(bpy.context.evaluated_depsgraph_get()), character, character.binding)
+    found = asked.engine.deform(asked.pose_matrices, **asked.options)
+    size = max(ob.dimensions)
+    assert relative_error(ob, float(found.report.target_volumes.sum())) < VOLUME_TOLERANCE
+    assert np.abs(found.positions - positions(ob)).max() < PARITY * size
+    set_strength(ob, 0.0)
+    bpy.context.view_layer.update()
+    assert np.abs(found.skinned - positions(ob)).max() < PARITY * size
+    set_strength(ob, 1.0)
+
+
+@pytest.mark.parametrize("use_dual_quaternions", [False, True])
+@pytest.mark.parametrize("metarig", METARIGS)
+def test_every_metarig_keeps_its_volume(characters, runtime, metarig, use_dual_quaternions):
+    ob, rig = load(characters, metarig)
+    ob.modifiers["Armature"].use_deform_preserve_volume = use_dual_quaternions
+    # Dual quaternions split scale off along axes at rest as they were bound.
+    pose_at_random(rig, np.random.default_rng(7))
+    for bone in rig.pose.bones:
+        bone.matrix_basis.identity()
+    bpy.context.view_layer.update()
+    rest = volume(ob)
+    add_turgor(ob)
+    bends = runtime.character(ob.session_uid).binding.bones.bends
+    assert len(bends.reads) >= 10
+    assert relative_error(ob, rest) < VOLUME_TOLERANCE
+    for seed in range(2):
+        pose_at_random(rig, np.random.default_rng(seed), with_ease=not use_dual_quaternions)
+        check(ob, runtime)
