@@ -117,7 +117,12 @@ def _follow_character(target: bpy.types.Object, *, is_edited: bool) -> None:
     uid = target.session_uid
     character = runtime.character(uid)
     is_other_stack = character.signature != stack_proof.signature(target)
-    if take_changed(uid) and is_edited and character.binding is not None and not (character.is_stale or is_other_stack):
+    is_followed = not is_other_stack and twins.follow(target)
+    if is_followed:
+        runtime.session.waiting.discard(uid)
+    is_explained = take_changed(uid) or is_followed
+    is_fresh = character.binding is not None and not (character.is_stale or is_other_stack)
+    if is_explained and is_edited and is_fresh:
         # A slider is being dragged: whether its mesh changed too can be looked at afterwards.
         strokes.when_quiet(uid, "bind", _bind, SECONDS_TO_REST)
         is_edited = False
@@ -128,8 +133,6 @@ def _follow_character(target: bpy.types.Object, *, is_edited: bool) -> None:
     masks.follow(target, is_edited=is_edited)
     refining.follow(target)
     if not character.is_stale:
-        if twins.follow(target):
-            runtime.session.waiting.discard(uid)
         follow_curves(target)
         binding.refresh_state(target)
     elif is_edited and _is_skin_painted(target) and character.bind_seconds < MOST_SECONDS_TO_BIND:

@@ -55,6 +55,8 @@ pub(crate) struct Binding {
     given_faces: Arc<Csr<u32>>,
     /// Made when folds are repaired for the first time.
     skin: OnceLock<Skin>,
+    /// Made when a frame first brings offsets or a body of its own.
+    vertices_of_slot: OnceLock<Csr<u32>>,
 }
 
 impl Binding {
@@ -111,6 +113,7 @@ impl Binding {
             unsound: unsound(topology, &patches),
             given_faces: Arc::clone(&topology.given_faces),
             skin: OnceLock::new(),
+            vertices_of_slot: OnceLock::new(),
             patches,
             sites,
             rest_centre,
@@ -152,6 +155,19 @@ impl Binding {
         })
     }
 
+    /// Vertices of the point in each slot: its twins.
+    pub fn vertices_of_slot(&self) -> &Csr<u32> {
+        self.vertices_of_slot.get_or_init(|| {
+            let in_slots: Vec<(u32, u32)> = self.slot_of_vertex.iter().copied().zip(0..).filter(|(slot, _)| *slot != NO_SLOT).collect();
+            Csr::from_pairs(self.patches.slot_count(), &in_slots)
+        })
+    }
+
+    /// True where vertices that rest and move alike are skinned as one.
+    pub fn has_shared_sites(&self) -> bool {
+        self.sites.len() < self.slot_of_vertex.len()
+    }
+
     /// Anything per point: of the slots of sound components, the mean over the vertices of others.
     pub fn points(&self, of_slot: impl Fn(usize) -> V4, of_vertex: impl Fn(usize) -> V4) -> Vec<DVec3> {
         let slots = self.patches.slot_of_point.iter();
@@ -189,6 +205,7 @@ impl Binding {
             + self.plan.memory_bytes()
             + size_of_val(&*self.inverse_areas)
             + self.skin.get().map_or(0, Skin::memory_bytes)
+            + self.vertices_of_slot.get().map_or(0, Csr::memory_bytes)
     }
 }
 

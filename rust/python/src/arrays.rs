@@ -93,6 +93,14 @@ pub fn float_rows(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<[f32; 3]
     Ok(flat.as_chunks::<3>().0.to_vec())
 }
 
+/// Rows of three numbers of each of so many frames, or the same for all; whether they are of each.
+pub fn float_rows_of_frames(value: &Bound<'_, PyAny>, what: &str, frames: usize) -> PyResult<(Vec<[f32; 3]>, bool)> {
+    let (flat, shape) = read_shaped::<f32>(value, what, "float32", &format!("(N, 3) or ({frames}, N, 3)"), |shape| {
+        matches!(*shape, [0] | [_, 3]) || matches!(*shape, [count, _, 3] if count == frames)
+    })?;
+    Ok((flat.as_chunks::<3>().0.to_vec(), shape.len() == 3))
+}
+
 pub fn vector_rows(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<Vec<DVec3>>> {
     let array = contiguous(value, what, "float64")?;
     array.try_iter()?.map(|row| vectors(&row?, what)).collect()

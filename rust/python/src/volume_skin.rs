@@ -136,7 +136,7 @@ impl VolumeSkin {
         Ok(Self { inner, mesh: Arc::clone(&self.mesh), workspaces: Arc::clone(&self.workspaces) })
     }
 
-    #[pyo3(signature = (pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None, repair_folds=false))]
+    #[pyo3(signature = (pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None, repair_folds=false))]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn deform(
         &self,
@@ -144,6 +144,7 @@ impl VolumeSkin {
         pose_matrices: &Bound<'_, PyAny>,
         object_from_armature: Option<&Bound<'_, PyAny>>,
         shape_values: Option<&Bound<'_, PyAny>>,
+        rest_positions: Option<&Bound<'_, PyAny>>,
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: f64,
         added_offsets: Option<&Bound<'_, PyAny>>,
@@ -154,6 +155,7 @@ impl VolumeSkin {
             pose_matrices,
             object_from_armature,
             shape_values,
+            rest_positions,
             strengths,
             target_scale,
             added_offsets,
@@ -168,7 +170,7 @@ impl VolumeSkin {
         Ok(Frame { positions, skinned, offsets, report })
     }
 
-    #[pyo3(signature = (offsets, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None, repair_folds=false))]
+    #[pyo3(signature = (offsets, pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None, repair_folds=false))]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn deform_into(
         &self,
@@ -177,6 +179,7 @@ impl VolumeSkin {
         pose_matrices: &Bound<'_, PyAny>,
         object_from_armature: Option<&Bound<'_, PyAny>>,
         shape_values: Option<&Bound<'_, PyAny>>,
+        rest_positions: Option<&Bound<'_, PyAny>>,
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: f64,
         added_offsets: Option<&Bound<'_, PyAny>>,
@@ -187,6 +190,7 @@ impl VolumeSkin {
             pose_matrices,
             object_from_armature,
             shape_values,
+            rest_positions,
             strengths,
             target_scale,
             added_offsets,
@@ -199,7 +203,7 @@ impl VolumeSkin {
         })
     }
 
-    #[pyo3(signature = (offsets_address, vertex_count, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None, repair_folds=false))]
+    #[pyo3(signature = (offsets_address, vertex_count, pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None, repair_folds=false))]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn deform_into_address(
         &self,
@@ -209,6 +213,7 @@ impl VolumeSkin {
         pose_matrices: &Bound<'_, PyAny>,
         object_from_armature: Option<&Bound<'_, PyAny>>,
         shape_values: Option<&Bound<'_, PyAny>>,
+        rest_positions: Option<&Bound<'_, PyAny>>,
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: f64,
         added_offsets: Option<&Bound<'_, PyAny>>,
@@ -219,6 +224,7 @@ impl VolumeSkin {
             pose_matrices,
             object_from_armature,
             shape_values,
+            rest_positions,
             strengths,
             target_scale,
             added_offsets,
@@ -241,7 +247,7 @@ impl VolumeSkin {
         self.write(py, &pose, rows)
     }
 
-    #[pyo3(signature = (bone, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None))]
+    #[pyo3(signature = (bone, pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None))]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn joint_field(
         &self,
@@ -250,67 +256,94 @@ impl VolumeSkin {
         pose_matrices: &Bound<'_, PyAny>,
         object_from_armature: Option<&Bound<'_, PyAny>>,
         shape_values: Option<&Bound<'_, PyAny>>,
+        rest_positions: Option<&Bound<'_, PyAny>>,
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: f64,
         added_offsets: Option<&Bound<'_, PyAny>>,
         fleshed: Option<Vec<bool>>,
     ) -> PyResult<JointField> {
         let bone = bone_index(bone)?;
-        let pose =
-            PoseData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale, added_offsets, fleshed, false)?;
+        let pose = PoseData::read(
+            pose_matrices,
+            object_from_armature,
+            shape_values,
+            rest_positions,
+            strengths,
+            target_scale,
+            added_offsets,
+            fleshed,
+            false,
+        )?;
         let inner = self.in_workspace(py, |workspace| self.inner.joint_field(bone, &pose.pose(), workspace))?;
         Ok(JointField { inner })
     }
 
     #[pyo3(
-        signature = (pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=None),
-        text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0)"
+        signature = (pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=None, added_offsets=None, fleshed=None),
+        text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None)"
     )]
+    #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn measure(
         &self,
         py: Python<'_>,
         pose_matrices: &Bound<'_, PyAny>,
         object_from_armature: Option<&Bound<'_, PyAny>>,
         shape_values: Option<&Bound<'_, PyAny>>,
+        rest_positions: Option<&Bound<'_, PyAny>>,
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: Option<&Bound<'_, PyAny>>,
+        added_offsets: Option<&Bound<'_, PyAny>>,
+        fleshed: Option<Vec<bool>>,
     ) -> PyResult<Measures> {
-        let poses = PosesData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale)?;
+        let poses = PosesData::read(
+            pose_matrices,
+            object_from_armature,
+            shape_values,
+            rest_positions,
+            strengths,
+            target_scale,
+            added_offsets,
+            fleshed,
+        )?;
         let reports = detached(py, || self.inner.measure(&poses.poses(), &self.workspaces))?;
         let component_count = self.mesh.topology().components.len();
         Ok(Measures { reports, component_count, joint_count: self.inner.joint_bones().len() })
     }
 
     #[pyo3(
-        signature = (pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=None, added_offsets=None, fleshed=None),
-        text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None)"
+        signature = (pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=None, added_offsets=None, fleshed=None),
+        text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None)"
     )]
-    #[allow(clippy::too_many_arguments, clippy::needless_pass_by_value, reason = "keywords of a Python call")]
+    #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn refinement_need(
         &self,
         py: Python<'_>,
         pose_matrices: &Bound<'_, PyAny>,
         object_from_armature: Option<&Bound<'_, PyAny>>,
         shape_values: Option<&Bound<'_, PyAny>>,
+        rest_positions: Option<&Bound<'_, PyAny>>,
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: Option<&Bound<'_, PyAny>>,
         added_offsets: Option<&Bound<'_, PyAny>>,
         fleshed: Option<Vec<bool>>,
     ) -> PyResult<RefinementNeed> {
-        let data = PosesData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale)?;
-        let added_offsets = added_offsets.map(|offsets| arrays::float_rows(offsets, "added_offsets")).transpose()?;
-        let mut poses = data.poses();
-        for pose in &mut poses {
-            pose.added_offsets = added_offsets.as_deref();
-            pose.is_fleshed = fleshed.as_deref();
-        }
-        let inner = detached(py, || self.inner.refinement_need(&poses, &self.workspaces))?;
+        let data = PosesData::read(
+            pose_matrices,
+            object_from_armature,
+            shape_values,
+            rest_positions,
+            strengths,
+            target_scale,
+            added_offsets,
+            fleshed,
+        )?;
+        let inner = detached(py, || self.inner.refinement_need(&data.poses(), &self.workspaces))?;
         Ok(RefinementNeed { inner })
     }
 
     #[pyo3(
-        signature = (pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=None, effect=None, repair_folds=false, fold_counts=None, positions=None),
-        text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, strengths=None, target_scale=1.0, effect=1.0, repair_folds=False, fold_counts=None, positions=None)"
+        signature = (pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=None, added_offsets=None, fleshed=None, effect=None, repair_folds=false, fold_counts=None, positions=None),
+        text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None, effect=1.0, repair_folds=False, fold_counts=None, positions=None)"
     )]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn deform_many<'py>(
@@ -319,14 +352,26 @@ impl VolumeSkin {
         pose_matrices: &Bound<'_, PyAny>,
         object_from_armature: Option<&Bound<'_, PyAny>>,
         shape_values: Option<&Bound<'_, PyAny>>,
+        rest_positions: Option<&Bound<'_, PyAny>>,
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: Option<&Bound<'_, PyAny>>,
+        added_offsets: Option<&Bound<'_, PyAny>>,
+        fleshed: Option<Vec<bool>>,
         effect: Option<&Bound<'_, PyAny>>,
         repair_folds: bool,
         fold_counts: Option<&Bound<'_, PyAny>>,
         positions: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray3<f32>>> {
-        let data = PosesData::read(pose_matrices, object_from_armature, shape_values, strengths, target_scale)?;
+        let data = PosesData::read(
+            pose_matrices,
+            object_from_armature,
+            shape_values,
+            rest_positions,
+            strengths,
+            target_scale,
+            added_offsets,
+            fleshed,
+        )?;
         let mut poses = data.poses();
         for pose in &mut poses {
             pose.repair_folds = repair_folds;

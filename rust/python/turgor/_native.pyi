@@ -265,6 +265,7 @@ class VolumeSkin:
         *,
         object_from_armature: ArrayLike | None = None,
         shape_values: ArrayLike | None = None,
+        rest_positions: ArrayLike | None = None,
         strengths: ArrayLike | None = None,
         target_scale: float = 1.0,
         added_offsets: ArrayLike | None = None,
@@ -273,6 +274,9 @@ class VolumeSkin:
     ) -> Frame:
         """Skin and correct one frame. Arguments as in `Skinning.deform`.
 
+        rest_positions: (N, 3) float32, object space: the body of this frame, in place of the bound rest positions with
+        shape keys mixed in; shape_values are not looked at. Skin, losses and volumes at rest are its own; topology,
+        weights, and which skin a joint moves by how much, stay as bound.
         strengths: (B,) strength of the joint of each bone in place of its setting (keyed strengths).
         target_scale: factor on the target volume (breathing), above 0, up to 1e9.
         added_offsets: (N, 3) float32, object space: what another deformer adds to the skin before its volume is looked
@@ -295,6 +299,7 @@ class VolumeSkin:
         *,
         object_from_armature: ArrayLike | None = None,
         shape_values: ArrayLike | None = None,
+        rest_positions: ArrayLike | None = None,
         strengths: ArrayLike | None = None,
         target_scale: float = 1.0,
         added_offsets: ArrayLike | None = None,
@@ -310,6 +315,7 @@ class VolumeSkin:
         *,
         object_from_armature: ArrayLike | None = None,
         shape_values: ArrayLike | None = None,
+        rest_positions: ArrayLike | None = None,
         strengths: ArrayLike | None = None,
         target_scale: float = 1.0,
         added_offsets: ArrayLike | None = None,
@@ -324,6 +330,7 @@ class VolumeSkin:
         *,
         object_from_armature: ArrayLike | None = None,
         shape_values: ArrayLike | None = None,
+        rest_positions: ArrayLike | None = None,
         strengths: ArrayLike | None = None,
         target_scale: float = 1.0,
         added_offsets: ArrayLike | None = None,
@@ -339,12 +346,16 @@ class VolumeSkin:
         *,
         object_from_armature: ArrayLike | None = None,
         shape_values: ArrayLike | None = None,
+        rest_positions: ArrayLike | None = None,
         strengths: ArrayLike | None = None,
         target_scale: float | ArrayLike = 1.0,
+        added_offsets: ArrayLike | None = None,
+        fleshed: Sequence[bool] | None = None,
     ) -> Measures:
         """Figures of many poses, many at once: the same bits as `deform` gives one by one.
 
-        pose_matrices: (F, B, 4, 4). The others as in `deform`, the same for all frames or with a first axis of F.
+        pose_matrices: (F, B, 4, 4). fleshed: as in `deform`, the same for all frames. The others as in `deform`, the same
+        for all frames or with a first axis of F: rest_positions and added_offsets (N, 3) or (F, N, 3).
         Raises TurgorError as `deform`, for the first frame that is refused. Releases the GIL.
         """
     def deform_many(
@@ -353,8 +364,11 @@ class VolumeSkin:
         *,
         object_from_armature: ArrayLike | None = None,
         shape_values: ArrayLike | None = None,
+        rest_positions: ArrayLike | None = None,
         strengths: ArrayLike | None = None,
         target_scale: float | ArrayLike = 1.0,
+        added_offsets: ArrayLike | None = None,
+        fleshed: Sequence[bool] | None = None,
         effect: float | ArrayLike = 1.0,
         repair_folds: bool = False,
         fold_counts: NDArray[np.int32] | None = None,
@@ -374,6 +388,7 @@ class VolumeSkin:
         *,
         object_from_armature: ArrayLike | None = None,
         shape_values: ArrayLike | None = None,
+        rest_positions: ArrayLike | None = None,
         strengths: ArrayLike | None = None,
         target_scale: float | ArrayLike = 1.0,
         added_offsets: ArrayLike | None = None,
@@ -381,7 +396,7 @@ class VolumeSkin:
     ) -> RefinementNeed:
         """Where these poses together ask for more vertices than the mesh has; their order does not matter.
 
-        Arguments as in `measure`; added_offsets, fleshed: as in `deform`, the same for all poses.
+        Arguments as in `measure`.
         """
 
 @final

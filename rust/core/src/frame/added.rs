@@ -5,16 +5,12 @@ use glam::DVec3;
 use super::Workspace;
 use crate::binding::Binding;
 use crate::error::{Error, Result, check_rows};
-use crate::numeric::csr::Csr;
 use crate::numeric::lanes::{self, V4};
-use crate::surface::patches::NO_SLOT;
 
 /// Offsets of vertices, armature space; empty where nothing is added.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Added {
     of_vertex: Vec<[f32; 3]>,
-    /// Made when something is added for the first time.
-    vertices_of_slot: Csr<u32>,
 }
 
 impl Added {
@@ -23,13 +19,13 @@ impl Added {
     }
 
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.of_vertex) + self.vertices_of_slot.memory_bytes()
+        size_of_val(&*self.of_vertex)
     }
 
     /// Of a point: the mean over its twins.
     #[inline]
-    pub fn of_slot(&self, slot: usize) -> V4 {
-        let twins = self.vertices_of_slot.row(slot);
+    pub fn of_slot(&self, binding: &Binding, slot: usize) -> V4 {
+        let twins = binding.vertices_of_slot().row(slot);
         let sum = twins.iter().fold(lanes::ZERO, |sum, &vertex| lanes::add(sum, self.at(vertex as usize)));
         lanes::scale(sum, 1.0 / twins.len().max(1) as f64)
     }
@@ -56,10 +52,6 @@ impl Workspace {
             return Err(Error::Length { what: "added_offsets", found: offsets.len(), needed: bound });
         }
         check_rows("added_offsets", offsets)?;
-        if self.added.vertices_of_slot.values().is_empty() {
-            let in_slots: Vec<(u32, u32)> = binding.slot_of_vertex.iter().copied().zip(0..).filter(|(slot, _)| *slot != NO_SLOT).collect();
-            self.added.vertices_of_slot = Csr::from_pairs(binding.patches.slot_count(), &in_slots);
-        }
         let to_armature = self.object.matrix3.inverse().as_mat3();
         self.added.of_vertex.extend(offsets.iter().map(|&offset| (to_armature * glam::Vec3::from(offset)).to_array()));
         let sum: DVec3 = (0..bound).map(|vertex| self.added.of_vertex(vertex)).sum();

@@ -1,7 +1,8 @@
-//! One frame: pose, skin, losses, fields, residual. Buffers are made once and nothing is remembered; only added offsets and the
-//! repair of folds allocate what grows with the mesh.
+//! One frame: pose, skin, losses, fields, residual. Buffers are made once and nothing is remembered; only what a frame brings
+//! along and the repair of folds allocate what grows with the mesh.
 
 mod added;
+mod body;
 mod give_back;
 mod in_order;
 mod joint_field;
@@ -24,12 +25,13 @@ use fearless_simd::{Simd, f32x8, f64x4};
 use glam::{DAffine3, DMat4, DVec3};
 
 use self::added::Added;
+use self::body::Body;
 pub use self::joint_field::JointField;
 pub(crate) use self::mask::Mask;
 pub use self::refinement::RefinementNeed;
 pub(crate) use self::refinement::{Details, Needs};
 use crate::binding::Binding;
-use crate::error::{Error, LARGEST, Result, check_numbers};
+use crate::error::{Error, LARGEST, Result};
 use crate::fields::field::{Field, FieldFrame, Hold};
 use crate::fields::joint::{FACTOR_MAX, Joint, check_strengths};
 use crate::fields::patch_sums::Move;
@@ -54,6 +56,9 @@ pub struct Pose<'a> {
     pub object_from_armature: DMat4,
     /// Value of each shape key; missing ones count as 0.
     pub shape_values: &'a [f64],
+    /// Per vertex, object space: the body of this frame, in place of the bound rest positions with shape keys mixed in. Losses and
+    /// volumes at rest are its own; topology, weights and how far joints reach stay as bound.
+    pub rest_positions: Option<&'a [[f32; 3]]>,
     /// Factor on the target volume.
     pub target_scale: f64,
     /// Strength of each bone's joint, in place of its setting.
@@ -73,6 +78,7 @@ impl<'a> Pose<'a> {
             matrices,
             object_from_armature: DMat4::IDENTITY,
             shape_values: &[],
+            rest_positions: None,
             target_scale: 1.0,
             strengths: None,
             added_offsets: None,
@@ -123,8 +129,7 @@ pub struct Workspace {
     pub(crate) motions: Motions,
     pub(crate) object: DAffine3,
     channels: Vec<DAffine3>,
-    /// Per site, with shape keys mixed in; empty without shape keys.
-    rest: Vec<V4>,
+    body: Body,
     body_moments: Vec<Moment>,
     job_moments: Vec<Moment>,
     changes: Vec<Change>,
@@ -204,16 +209,17 @@ impl Workspace {
         let jobs = binding.plan.jobs.len();
         let coordinates = || std::array::from_fn(|_| vec![0.0; slots]);
         let forms = binding.plan.forms.as_ref().map(VolumeForms::buffers);
-        let stage_changes = vec![Change::default(); if forms.is_some() { 0 } else { binding.plan.stages.change_count() }];
+        let is_staged = forms.is_none();
+        let stage_changes = vec![Change::default(); if is_staged { binding.plan.stages.change_count() } else { 0 }];
         let giants = &binding.patches.giants;
         let giant_points = giants.iter().map(|g| g.corners.len().next_multiple_of(LANES)).max().unwrap_or(0);
         let has_profiles = settings.iter().any(|joint| joint.profiles.is_some());
-        let mut workspace = Self {
+        Self {
             motions: binding.motions.clone(),
             object: DAffine3::IDENTITY,
             channels: vec![DAffine3::IDENTITY; binding.bone_count],
-            rest: if binding.shape_deltas.is_empty() { Vec::new() } else { binding.sites.rest.clone() },
-            body_moments: binding.plan.bodies.rest_moments.clone(),
+            body: Body::default(),
+            body_moments: Vec::new(),
             job_moments: vec![(0.0, DVec3::ZERO); jobs],
             changes: vec![Change::default(); jobs],
             forms,
@@ -233,17 +239,16 @@ impl Workspace {
             jobs: vec![JobState::default(); jobs],
             components: vec![ComponentState::default(); binding.components.len()],
             report: Report::new(binding.components.len(), binding.motions.tree.len()),
-        };
-        binding.plan.bodies.rigid_moments(&workspace.body_moments, &mut workspace.job_moments);
-        workspace
+        }
     }
 
     /// Heap memory that grows with the mesh.
     pub fn memory_bytes(&self) -> usize {
         let coordinates = [&self.skinned.near, &self.skinned.rest, &self.gradient];
-        let vectors = [&self.rest, &self.giant_positions, &self.sources];
+        let vectors = [&self.giant_positions, &self.sources];
         coordinates.iter().flat_map(|c| c.iter()).map(|c| size_of_val(&**c)).sum::<usize>()
             + vectors.iter().map(|v| size_of_val(&***v)).sum::<usize>()
+            + self.body.memory_bytes()
             + self.added.memory_bytes()
             + size_of_val(&*self.moves)
             + size_of_val(&*self.profiled)
@@ -266,14 +271,10 @@ impl Workspace {
         if !(pose.target_scale > 0.0 && pose.target_scale <= FACTOR_MAX) {
             return Err(Error::Value { what: "target_scale", found: pose.target_scale, needed: "a number above 0, up to 1e9" });
         }
-        if pose.shape_values.len() > binding.shape_deltas.len() {
-            return Err(Error::Length { what: "shape_values", found: pose.shape_values.len(), needed: binding.shape_deltas.len() });
-        }
-        check_numbers("shape_values", pose.shape_values)?;
+        let (rest_centre, radius) = self.take_body(binding, pose)?;
         check_pose(pose.matrices, &mut self.channels)?;
         self.object = check_object(&pose.object_from_armature)?;
-        let armature_from_rest = self.object.inverse() * DAffine3::from_translation(binding.rest_centre);
-        let radius = binding.radius_with(pose.shape_values);
+        let armature_from_rest = self.object.inverse() * DAffine3::from_translation(rest_centre);
         // Near the mean of the skinned points: sums about it keep their digits far from the world's origin.
         let mut origin = DVec3::ZERO;
         let mut total = 0.0;
@@ -296,9 +297,6 @@ impl Workspace {
         }
         origin += self.take_added(binding, pose.added_offsets)?;
         self.motions.set(&self.channels, armature_from_rest, origin, binding.size, keep_bone_scale);
-        if !self.rest.is_empty() {
-            binding.mix_shapes(pose.shape_values, &mut self.rest);
-        }
         Ok(())
     }
 
@@ -314,14 +312,18 @@ impl Workspace {
     pub(crate) fn skinned_vertex(&self, binding: &Binding, vertex: usize) -> DVec3 {
         let slot = binding.slot_of_vertex[vertex] as usize;
         // A point whose twins are skinned alike is where the frame has left it.
-        if slot < self.moves.len() && binding.sites.of_slot(slot).len() == 1 {
+        if slot < self.moves.len() && binding.sites.of_slot(slot).len() == 1 && !self.body.is_split() {
             let skinned = lanes::to(self.skinned.at(slot)) + self.motions.palette.origin;
             let is_moved = !self.added.is_empty();
-            return if is_moved { skinned + (self.added.of_vertex(vertex) - lanes::to(self.added.of_slot(slot))) } else { skinned };
+            return if is_moved {
+                skinned + (self.added.of_vertex(vertex) - lanes::to(self.added.of_slot(binding, slot)))
+            } else {
+                skinned
+            };
         }
         let site = binding.sites.site_of_vertex[vertex] as usize;
-        let rest = if self.rest.is_empty() { &binding.sites.rest } else { &self.rest };
-        let skinned = lanes::to(self.motions.palette.skin(&binding.sites.influences, site, rest[site]));
+        let rest = self.body.rest_of_vertex(binding, vertex);
+        let skinned = lanes::to(self.motions.palette.skin(&binding.sites.influences, site, rest));
         skinned + self.added.of_vertex(vertex) + self.motions.palette.origin
     }
 

@@ -59,7 +59,7 @@ fn write_all<S: Simd>(simd: S, frame: &Workspace, binding: &Binding, to_object: 
     let mut vertices = binding.vertices_by_slot.iter().map(|&vertex| vertex as usize).peekable();
     let slot_of = |vertex: usize| binding.slot_of_vertex[vertex] as usize;
     // Every point has its own place, as `skinned_vertex` finds it, and all of eight slots are of one component.
-    let is_plain = !binding.sites.is_split() && frame.added.is_empty();
+    let is_plain = !binding.sites.is_split() && !frame.body.is_split() && frame.added.is_empty();
     while let Some(&first) = vertices.peek().filter(|&&vertex| is_plain && slot_of(vertex) < frame.moves.len()) {
         let number = slot_of(first) / LANES;
         let eight = eight_positions(simd, frame, number, binding.component_of_vertex[first], to_object, part);

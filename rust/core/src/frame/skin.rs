@@ -4,6 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
 
 use super::added::Added;
+use super::body::Body as RestBody;
 use super::scratch::{Scratch, with_scratch};
 use super::{PatchSums, Workspace, ragged};
 use crate::binding::Binding;
@@ -22,10 +23,10 @@ impl Workspace {
         let level = Level::new();
         let patches = &binding.patches;
         let count = patches.list.len();
-        let has_shapes = !self.rest.is_empty();
-        let rest = if has_shapes { &self.rest } else { &binding.sites.rest };
-        let stages = if binding.plan.forms.is_none() { Some(&binding.plan.stages) } else { None };
-        let (motions, added) = (&self.motions, &self.added);
+        let stages = if self.is_staged(binding) { Some(&binding.plan.stages) } else { None };
+        let (motions, added, rest_body) = (&self.motions, &self.added, &self.body);
+        let rest = rest_body.rest(binding);
+        let has_shapes = !rest_body.of_site.is_empty();
         let change_offsets = stages.map_or(&*patches.no_rows, |stages| &stages.change_offsets()[..=count]);
         let moment_offsets = if stages.is_some() { &patches.numbers } else { &patches.no_rows };
         let (changes, giant_changes) = self.stage_changes.split_at_mut(change_offsets[count] as usize);
@@ -41,7 +42,7 @@ impl Workspace {
                 (Ragged::new(changes, change_offsets), Ragged::new(moments, moment_offsets)),
             ),
             &|index, ((near, rest_of_it), gradient, sources, sums, (changes, moment))| {
-                let from = Skinner { binding, motions, rest, has_shapes, added, index };
+                let from = Skinner { binding, motions, rest_body, added, index };
                 let into = Skinned {
                     near: near.map(|row| row.values),
                     rest: rest_of_it.map(|row| row.values),
@@ -57,7 +58,7 @@ impl Workspace {
         sweep_giants(binding, &mut self.giant_volumes, giant_sources, |slot| self.skinned.at(slot));
         let Some(stages) = stages else { return };
         let mut giant_changes = giant_changes;
-        let shaped_rest = has_shapes.then_some(&**rest);
+        let shaped_rest = has_shapes.then_some(rest);
         for (index, (giant, moment)) in patches.giants.iter().zip(giant_moments).enumerate() {
             let corners = giant.corners.len();
             let padded = corners.next_multiple_of(LANES);
@@ -79,7 +80,7 @@ impl Workspace {
             giant_changes = rest_of_them;
         }
         if has_shapes {
-            binding.plan.bodies.rigid_moments(&self.body_moments, &mut self.job_moments);
+            binding.plan.bodies(true).rigid_moments(&self.body_moments, &mut self.job_moments);
         }
     }
 }
@@ -89,8 +90,7 @@ impl Workspace {
 struct Skinner<'a> {
     binding: &'a Binding,
     motions: &'a Motions,
-    rest: &'a [V4],
-    has_shapes: bool,
+    rest_body: &'a RestBody,
     added: &'a Added,
     index: usize,
 }
@@ -109,7 +109,8 @@ struct Skinned<'a> {
 /// Skins the points a patch sees; keeps those it owns, the gradient of all, and what its joints lose.
 #[inline(always)]
 fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scratch) {
-    let Skinner { binding, motions, rest, has_shapes, added, index } = from;
+    let Skinner { binding, motions, rest_body, added, index } = from;
+    let (rest, has_shapes) = (rest_body.rest(binding), !rest_body.of_site.is_empty());
     let (patches, sites, palette, stages) = (&binding.patches, &binding.sites, &motions.palette, &binding.plan.stages);
     let patch = &patches.list[index];
     let slots = &patches.local[patch.local.clone()];
@@ -149,7 +150,7 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
             into.changes[last].loss -= sweeps::volume(simd, patches, patch, p);
         }
         for (p, &slot) in p.iter_mut().zip(slots) {
-            *p = lanes::add(*p, added.of_slot(slot as usize));
+            *p = lanes::add(*p, added.of_slot(binding, slot as usize));
         }
     }
     by_point[..slots.len()].fill(lanes::ZERO);
@@ -160,19 +161,28 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
     *into.sums = PatchSums { volume, ..PatchSums::default() };
     keep_gradient(simd, binding, patch, by_point, into.gradient, into.sources);
     keep_places(simd, patch, p, into.near, into.rest);
-    if sites.is_split() {
+    if sites.is_split() || rest_body.is_split() {
         for &slot in &slots[..patch.owned] {
-            let own = sites.of_slot(slot as usize);
-            if own.len() < 2 {
-                continue;
-            }
-            let mut twins = own.map(|site| palette.skin(&sites.influences, site, rest[site]));
-            if let Some(first) = twins.next() {
-                let gaps = twins.map(|twin| lanes::to(twin).distance_squared(lanes::to(first)));
-                into.sums.gap_squared = gaps.fold(into.sums.gap_squared, f64::max);
-            }
+            let gap_squared = if rest_body.is_split() {
+                let twins = binding.vertices_of_slot().row(slot as usize).iter().map(|&vertex| vertex as usize);
+                let site = |vertex: usize| sites.site_of_vertex[vertex] as usize;
+                gap_squared(twins.map(|v| palette.skin(&sites.influences, site(v), rest_body.rest_of_vertex(binding, v))))
+            } else {
+                gap_squared(sites.of_slot(slot as usize).map(|site| palette.skin(&sites.influences, site, rest[site])))
+            };
+            into.sums.gap_squared = into.sums.gap_squared.max(gap_squared);
         }
     }
+}
+
+/// Of the largest distance of twins from the first of them.
+#[inline(always)]
+fn gap_squared(mut twins: impl ExactSizeIterator<Item = V4>) -> f64 {
+    if twins.len() < 2 {
+        return 0.0;
+    }
+    let Some(first) = twins.next() else { return 0.0 };
+    twins.map(|twin| lanes::to(twin).distance_squared(lanes::to(first))).fold(0.0, f64::max)
 }
 
 /// Keeps a patch's part of the gradient: whole for the points it alone uses, for others to be summed.

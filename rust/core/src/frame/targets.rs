@@ -12,7 +12,8 @@ const LOSS_FLOOR: f64 = 1e-3;
 impl Workspace {
     /// Losses that no skinned point is needed for.
     pub(crate) fn measure_forms(&mut self, binding: &Binding) {
-        if let (Some(forms), Some(buffers)) = (&binding.plan.forms, &mut self.forms) {
+        let is_staged = self.is_staged(binding);
+        if let (false, Some(forms), Some(buffers)) = (is_staged, &binding.plan.forms, &mut self.forms) {
             forms.measure(&self.motions, buffers);
         }
     }
@@ -20,14 +21,15 @@ impl Workspace {
     /// Losses, targets, and the volume each job is to give back.
     pub(crate) fn measure(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pose: &Pose) {
         binding.plan.carry(&self.motions, &self.job_moments, &mut self.changes);
-        match (&binding.plan.forms, &self.forms) {
-            (Some(forms), Some(buffers)) => forms.gather(buffers, &mut self.changes),
+        let is_staged = self.is_staged(binding);
+        match (is_staged, &binding.plan.forms, &self.forms) {
+            (false, Some(forms), Some(buffers)) => forms.gather(buffers, &mut self.changes),
             _ => binding.plan.stages.gather(&self.stage_changes, &mut self.changes),
         }
         self.components.fill(ComponentState::default());
         // Moments are about the rest mesh in object space.
         let armature_from_object = self.object.matrix3.determinant().recip();
-        for (moment, &component) in self.body_moments.iter().zip(&binding.plan.bodies.components) {
+        for (moment, &component) in self.body_moments.iter().zip(&binding.plan.bodies(is_staged).components) {
             self.components[component as usize].rest += moment.0 * armature_from_object;
         }
         for (patch, sums) in binding.patches.list.iter().zip(&self.patches) {

@@ -15,11 +15,12 @@ use crate::skinning::motions::Motions;
 /// Everything about the telescoping that does not change from frame to frame.
 pub(crate) struct LossPlan {
     pub jobs: Vec<Job>,
-    pub bodies: Bodies,
-    /// How bodies are skinned joint by joint. Without `forms` their bodies are those of the plan.
+    /// How bodies are skinned joint by joint.
     pub stages: Stages,
-    /// Losses in closed form: linear skinning of one rest shape.
+    staged: Bodies,
+    /// Losses in closed form: linear skinning of one rest shape; not of bodies that frames bring.
     pub forms: Option<VolumeForms>,
+    formed: Bodies,
 }
 
 impl LossPlan {
@@ -40,17 +41,22 @@ impl LossPlan {
         }
         jobs.sort_unstable();
         jobs.dedup();
-        let mut bodies = Bodies::default();
+        let mut formed = Bodies::default();
         let has_forms = mode == Mode::Linear && !has_shapes;
-        let forms = if has_forms { VolumeForms::new(anatomy, &jobs, &mut bodies) } else { None };
-        let stages = Stages::new(anatomy, &jobs, forms.is_none());
-        if forms.is_none() {
-            bodies = stages.bodies(anatomy);
+        let forms = if has_forms { VolumeForms::new(anatomy, &jobs, &mut formed) } else { None };
+        let stages = Stages::new(anatomy, &jobs);
+        let mut staged = stages.bodies(anatomy);
+        for bodies in [&mut staged, &mut formed] {
+            for (&component, &top) in bodies.components.iter().zip(&bodies.tops) {
+                bodies.jobs_above.push_row(tree.chain(top as usize).filter_map(|j| find_job(&jobs, j, component)));
+            }
         }
-        for (&component, &top) in bodies.components.iter().zip(&bodies.tops) {
-            bodies.jobs_above.push_row(tree.chain(top as usize).filter_map(|j| find_job(&jobs, j, component)));
-        }
-        Self { jobs, bodies, stages, forms }
+        Self { jobs, stages, staged, forms, formed }
+    }
+
+    /// Faces that are carried whole, by stages or in closed form.
+    pub fn bodies(&self, by_stages: bool) -> &Bodies {
+        if by_stages { &self.staged } else { &self.formed }
     }
 
     /// What every joint did to every component by carrying bodies whole.
@@ -70,6 +76,6 @@ impl LossPlan {
 
     pub fn memory_bytes(&self) -> usize {
         let forms = self.forms.as_ref().map_or(0, VolumeForms::memory_bytes);
-        size_of_val(&*self.jobs) + self.bodies.memory_bytes() + self.stages.memory_bytes() + forms
+        size_of_val(&*self.jobs) + self.staged.memory_bytes() + self.stages.memory_bytes() + self.formed.memory_bytes() + forms
     }
 }

@@ -1,8 +1,8 @@
 //! Skinning by stages: all points of a body follow the joint above it, then one joint after the other turns.
 //!
 //! Every joint does the same to all points of a body, by their weight: loops over points that compile to SIMD. Where there
-//! is no closed form of losses, for dual quaternions and rest shapes that shape keys change, the volume is taken at every
-//! stage. The last stage is the skinned surface itself, so the changes sum to the whole by construction.
+//! is no closed form of losses, for dual quaternions and rest shapes that change, the volume is taken at every stage.
+//! The last stage is the skinned surface itself, so the changes sum to the whole by construction.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f64x8};
@@ -43,7 +43,7 @@ pub(crate) struct Body<'a> {
     pub index: usize,
     pub slots: &'a [u32],
     pub sites: &'a Sites,
-    /// Rest position per site, where shape keys have changed it.
+    /// Rest position per site, where it is not the bound one.
     pub shaped_rest: Option<&'a [V4]>,
     pub motions: &'a Motions,
     /// At rest, where losses are measured.
@@ -75,19 +75,19 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// Bodies that more joints deform are skinned vertex by vertex, unless losses are measured by stages.
+/// Bodies that more joints deform are skinned vertex by vertex.
 const JOINTS_MAX: usize = 32;
 
 impl Stages {
-    /// Bodies are patches, then giants. `measures`: losses are to be measured.
-    pub fn new(anatomy: &Anatomy, jobs: &[Job], measures: bool) -> Self {
+    /// Bodies are patches, then giants.
+    pub fn new(anatomy: &Anatomy, jobs: &[Job]) -> Self {
         let mut result = Self::default();
         result.rest_offsets.push(0);
         for patch in &anatomy.patches.list {
-            result.push(anatomy, &anatomy.patches.local[patch.local.clone()], patch.component, jobs, measures);
+            result.push(anatomy, &anatomy.patches.local[patch.local.clone()], patch.component, jobs);
         }
         for giant in &anatomy.patches.giants {
-            result.push(anatomy, &giant.corners, giant.component, jobs, measures);
+            result.push(anatomy, &giant.corners, giant.component, jobs);
         }
         result.weights.shrink_to_fit();
         result.rest.shrink_to_fit();
@@ -115,7 +115,7 @@ impl Stages {
         bodies
     }
 
-    fn push(&mut self, anatomy: &Anatomy, slots: &[u32], component: u32, jobs: &[Job], measures: bool) {
+    fn push(&mut self, anatomy: &Anatomy, slots: &[u32], component: u32, jobs: &[Job]) {
         let Anatomy { sites, tree, .. } = *anatomy;
         let padding = slots.len()..slots.len().next_multiple_of(LANES);
         let all_sites = || slots.iter().flat_map(|&slot| sites.of_slot(slot as usize));
@@ -125,11 +125,8 @@ impl Stages {
                 sites.influences.of(site).0.iter().map(|&b| usize::from(b)).chain(world)
             })
         };
-        let (top, mut joints) = joints_of(bones, tree);
+        let (top, joints) = joints_of(bones, tree);
         let is_sparse = joints.len() <= JOINTS_MAX;
-        if !(is_sparse || measures) {
-            joints.clear();
-        }
         self.tops.push(top as u16);
         self.is_single.push(is_sparse && slots.iter().all(|&slot| sites.of_slot(slot as usize).len() == 1));
         self.first_rows.push(self.weights.len() as u32);
