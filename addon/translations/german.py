@@ -573,7 +573,7 @@ TEXTS: dict[str, str] = {
         "{count} Modifikatoren können das Netz vor unserem bewegen: {names}; sie hinter Turgor verschieben"
     ),
     "{count} modifiers before ours change shape keys: {names}; apply them, or move them after Turgor": (
-        "{count} Modifikatoren vor unserem ändern Shape-Keys: {names}; sie anwenden oder hinter Turgor verschieben"
+        "{count} Modifikatoren vor unserem ändern Formschlüssel: {names}; sie anwenden oder hinter Turgor verschieben"
     ),
     "{count} modifiers are on in the viewport or in renders only: {names}; renders show the mesh without Turgor": (
         "{count} Modifikatoren sind nur in der Ansicht oder nur in Renderings an: {names}; Renderings zeigen das Netz"

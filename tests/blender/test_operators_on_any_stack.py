@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import bmesh
 import bpy
@@ -13,6 +14,7 @@ from test_comes_and_goes import _listing
 from test_exact import VOLUME_TOLERANCE
 from tube import add_turgor, character, select
 
+METHODS = ("ABSOLUTE", "REDUCED", "DRIVEN", "POINT_CACHE")
 PLACES = ("before", "after", "both", "pinned")
 
 
@@ -60,8 +62,8 @@ def _buttons(runtime, ob: bpy.types.Object) -> list[tuple[str, str, str]]:
     return [(kind, each.fix, each.subject) for kind, each in found]
 
 
-def _try_all(runtime, ob: bpy.types.Object) -> None:
-    """Add; all that can be done with what was added; remove."""
+def _try_all(runtime, ob: bpy.types.Object, folder: Path | None = None) -> None:
+    """Add; all that can be done with what was added, bakes into a folder too; remove."""
     operators = bpy.ops.object
     for add, remove, rebind in (
         (operators.turgor_volume_add, operators.turgor_volume_remove, operators.turgor_volume_rebind),
@@ -97,6 +99,11 @@ def _try_all(runtime, ob: bpy.types.Object) -> None:
             _attempt(each)
         bpy.context.view_layer.update()
         positions(ob)
+        for method in METHODS if folder is not None else ():
+            ob.turgor_bake.method, ob.turgor_bake.folder = method, str(folder)
+            _attempt(operators.turgor_bake)
+            _attempt(operators.turgor_bake_remove)
+        select([ob])
         is_removed, told = _attempt(remove)
         assert is_removed, told
 
@@ -257,8 +264,18 @@ def test_every_situation(route, runtime, capfd, tmp_path, situation):
     ob = situation(ob, rig, tmp_path)
     if ob.mode == "OBJECT":
         select([ob])
-    _try_all(runtime, ob)
-    _attempt(bpy.ops.object.turgor_bake)
+    _try_all(runtime, ob, tmp_path)
+    _quiet(capfd)
+
+
+@pytest.mark.parametrize("place", ["before", "after", "pinned"])
+@pytest.mark.parametrize("kind", ["SUBSURF", "MULTIRES", "CORRECTIVE_SMOOTH", "SOLIDIFY", "MASK", "NODES", "ARMATURE"])
+def test_every_bake(runtime, capfd, tmp_path, kind, place):
+    ob, _ = character(rings=9, segments=6)
+    bpy.context.scene.frame_end = 5
+    _give(ob, kind, place)
+    select([ob])
+    _try_all(runtime, ob, tmp_path)
     _quiet(capfd)
 
 
