@@ -122,7 +122,7 @@ def _quiet(capfd: pytest.CaptureFixture) -> None:
 @pytest.mark.parametrize("kind", _types())
 def test_every_modifier(runtime, capfd, kind, place):
     ob, _ = character(rings=9, segments=6)
-    bpy.context.scene.frame_end = 5
+    bpy.context.scene.frame_end = 2
     for each in ("before", "after") if place == "both" else (place,):
         _give(ob, kind, each)
     select([ob])
@@ -259,7 +259,7 @@ SITUATIONS = (
 @pytest.mark.parametrize("situation", SITUATIONS, ids=lambda each: each.__name__)
 def test_every_situation(route, runtime, capfd, tmp_path, situation):
     ob, rig = character(rings=9, segments=6)
-    bpy.context.scene.frame_end = 5
+    bpy.context.scene.frame_end = 2
     select([ob])
     ob = situation(ob, rig, tmp_path)
     if ob.mode == "OBJECT":
@@ -272,7 +272,7 @@ def test_every_situation(route, runtime, capfd, tmp_path, situation):
 @pytest.mark.parametrize("kind", ["SUBSURF", "MULTIRES", "CORRECTIVE_SMOOTH", "SOLIDIFY", "MASK", "NODES", "ARMATURE"])
 def test_every_bake(runtime, capfd, tmp_path, kind, place):
     ob, _ = character(rings=9, segments=6)
-    bpy.context.scene.frame_end = 5
+    bpy.context.scene.frame_end = 2
     _give(ob, kind, place)
     select([ob])
     _try_all(runtime, ob, tmp_path)
