@@ -607,6 +607,10 @@ TEXTS: dict[str, str] = {
         "Turgor Volume unter diesen Modifikator verschieben, wo es das Volumen wieder erhält"
     ),
     "The object is hidden: show it first": "Das Objekt ist verborgen: zuerst zeigen",
+    "{file} is a folder: choose another name": "{file} ist ein Ordner: einen anderen Namen wählen",
+    "{file} was not written: look at the console for the reason": (
+        "{file} wurde nicht geschrieben: Der Grund steht in der Konsole"
+    ),
     "with Turgor, computed": "mit Turgor, berechnet",
     "There is no vertex group {group} any more: choose another, or clear the mask": (
         "Es gibt keine Vertex-Gruppe {group} mehr: eine andere wählen oder die Maske leeren"

@@ -319,3 +319,19 @@ def test_ours_goes_after_an_armature_that_is_pinned_to_the_end(runtime):
     assert [modifier.type for modifier in ob.modifiers] == ["ARMATURE", "NODES"]
     bpy.context.scene.frame_set(12)
     assert relative_error(ob, rest) < VOLUME_TOLERANCE
+
+
+@pytest.mark.parametrize(("kind", "suffix"), [("GLTF", ".glb"), ("FBX", ".fbx"), ("USD", ".usdc"), ("ALEMBIC", ".abc")])
+def test_an_export_that_cannot_be_written_says_so(runtime, tmp_path, kind, suffix):
+    ob, _ = character(rings=9, segments=6)
+    bpy.context.scene.frame_end = 2
+    add_turgor(ob)
+    listing, state = _listing(), _state(ob)
+    folder = (tmp_path / "folder").with_suffix(suffix)
+    folder.mkdir()
+    (tmp_path / "file").write_text("")
+    for path in (folder, tmp_path / "file" / f"below{suffix}"):
+        is_done, told = _attempt(bpy.ops.export_scene.turgor, filepath=str(path), format=kind, verify=False)
+        assert not is_done
+        assert path.name in told
+        assert (_listing(), _state(ob)) == (listing, state)
