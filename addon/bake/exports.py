@@ -108,6 +108,9 @@ def has_turgor(ob: bpy.types.Object) -> bool:
 
 def _write(settings: Settings) -> None:
     scene, path = bpy.context.scene, str(settings.path)
+    if settings.path.is_dir():
+        raise BakeError(message("{file} is a folder: choose another name", file=settings.path.name))
+    before = _written_at(settings.path)
     try:
         if settings.format == "GLTF":
             bpy.ops.export_scene.gltf(
@@ -158,5 +161,19 @@ def _write(settings: Settings) -> None:
             )
     except RuntimeError as error:
         raise BakeError(
-            message("{file} was not written: {reason}", file=settings.path.name, reason=str(error).strip())
+            message("{file} was not written: {reason}", file=settings.path.name, reason=_reason(error))
         ) from error
+    # Some exporters only log what went wrong.
+    if _written_at(settings.path) == before:
+        raise BakeError(message("{file} was not written: look at the console for the reason", file=settings.path.name))
+
+
+def _written_at(path: Path) -> int:
+    """Nanoseconds of when a file was last written, 0 where there is none."""
+    return path.stat().st_mtime_ns if path.is_file() else 0
+
+
+def _reason(error: RuntimeError) -> str:
+    """What an exporter told; of its traceback the line that says what happened."""
+    lines = [line.strip() for line in str(error).splitlines() if line.strip() and not line.startswith("Location:")]
+    return lines[-1 if "Traceback" in str(error) else 0] if lines else repr(error)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import bpy
 
-from . import plain_rig, rest
+from . import modifier_places, plain_rig, rest
 
 
 def make(
@@ -29,8 +29,9 @@ def make(
     if copy.parent_type == "ARMATURE":
         # Blender would skin it once more.
         copy.parent_type = "OBJECT"
-    local = [collection for collection in target.users_collection if collection.library is None]
-    for collection in local or [bpy.context.scene.collection]:
+    # Blender links nothing into collections that are linked or overridden.
+    own = [each for each in target.users_collection if each.library is None and each.override_library is None]
+    for collection in own or [bpy.context.scene.collection]:
         collection.objects.link(copy)
     copy.select_set(False)
     return copy
@@ -52,9 +53,12 @@ def discard(copy: bpy.types.Object) -> None:
 
 
 def follow_point_cache(copy: bpy.types.Object, path: str, first_frame: float, samples_per_frame: float, at: int) -> str:
-    """A Mesh Cache modifier at place `at` of the stack: its name. path: of a PC2 file, absolute or `//`."""
+    """A Mesh Cache modifier at place `at` of the stack: its name. path: of a PC2 file, absolute or `//`.
+
+    Raises modifier_places.PlaceError.
+    """
     cache = copy.modifiers.new("Mesh Cache", "MESH_CACHE")
-    copy.modifiers.move(len(copy.modifiers) - 1, at)
+    modifier_places.put(copy, cache, at)
     cache.cache_format = "PC2"
     cache.filepath = path
     cache.play_mode, cache.time_mode, cache.interpolation = "SCENE", "FRAME", "LINEAR"

@@ -543,9 +543,75 @@ TEXTS: dict[str, str] = {
     "{joint} has no room for all of its volume; the rest went to the skin around: give it a larger Size": (
         "{joint} hat nicht Platz für all sein Volumen; der Rest ging in die Haut ringsum: mehr Größe geben"
     ),
-    "Other joints without room for all of their volume: {count}": (
-        "Weitere Gelenke ohne Platz für all ihr Volumen: {count}"
+    "{count} joints have no room for all of their volume: {joints}; the rest went to the skin around: give them"
+    " a larger Size": (
+        "{count} Gelenke haben nicht Platz für all ihr Volumen: {joints}; der Rest ging in die Haut ringsum: mehr Größe"
+        " geben"
     ),
+    "The mesh has another volume than was computed: measured {measured}, computed {computed}; something else moves"
+    " its vertices, or the node group of {modifier} was edited": (
+        "Das Netz hat ein anderes Volumen als berechnet: gemessen {measured}, berechnet {computed}; etwas anderes"
+        " bewegt seine Punkte, oder die Nodegruppe von {modifier} wurde geändert"
+    ),
+    "{modifier} changes the volume after Turgor Volume, by {percent}: move Turgor Volume below it": (
+        "{modifier} ändert das Volumen nach Turgor Volume, um {percent}: Turgor Volume darunter verschieben"
+    ),
+    "{modifier} changes the volume after Turgor Volume, by {percent} beyond what it does at rest: move"
+    " Turgor Volume below it": (
+        "{modifier} ändert das Volumen nach Turgor Volume, um {percent} über das hinaus, was er in Ruhe tut: Turgor"
+        " Volume darunter verschieben"
+    ),
+    "{count} Armature modifiers deform the body before Turgor Spine: {names}; move them below, or flesh their"
+    " own bones": (
+        "{count} Armatur-Modifikatoren verformen den Körper vor Turgor Spine: {names}; sie darunter verschieben oder"
+        " ihre eigenen Knochen nehmen"
+    ),
+    "{count} more modifiers deform by an armature: {names}; only one Armature is supported, turn them off": (
+        "{count} weitere Modifikatoren verformen mit einer Armatur: {names}; nur eine wird unterstützt, sie ausschalten"
+    ),
+    "{count} modifiers can move the mesh before ours: {names}; move them after Turgor": (
+        "{count} Modifikatoren können das Netz vor unserem bewegen: {names}; sie hinter Turgor verschieben"
+    ),
+    "{count} modifiers before ours change shape keys: {names}; apply them, or move them after Turgor": (
+        "{count} Modifikatoren vor unserem ändern Formschlüssel: {names}; sie anwenden oder hinter Turgor verschieben"
+    ),
+    "{count} modifiers are on in the viewport or in renders only: {names}; renders show the mesh without Turgor": (
+        "{count} Modifikatoren sind nur in der Ansicht oder nur in Renderings an: {names}; Renderings zeigen das Netz"
+        " ohne Turgor"
+    ),
+    "{count} modifiers have other levels in renders than in the viewport: {names}; make them equal, or renders"
+    " show the mesh without Turgor": (
+        "{count} Modifikatoren haben in Renderings andere Stufen als in der Ansicht: {names}; sie angleichen, sonst"
+        " zeigen Renderings das Netz ohne Turgor"
+    ),
+    "Blender lets {ours} stand only below {modifier}, which needs the mesh as it is stored: move {modifier}"
+    " above the Armature, or apply it": (
+        "Blender lässt {ours} nur unter {modifier} stehen, der das gespeicherte Netz braucht: {modifier} über die"
+        " Armatur verschieben oder anwenden"
+    ),
+    "Blender lets {ours} stand only below {modifier}, which needs the mesh as it is stored: remove"
+    " {modifier}, or simulate a copy of the mesh": (
+        "Blender lässt {ours} nur unter {modifier} stehen, der das gespeicherte Netz braucht: {modifier} entfernen oder"
+        " eine Kopie des Netzes simulieren"
+    ),
+    "Blender does not let {modifier} stand there: {reason}": "Blender lässt {modifier} dort nicht stehen: {reason}",
+    "Blender does not let {modifier} stand there: move it by hand": (
+        "Blender lässt {modifier} dort nicht stehen: von Hand verschieben"
+    ),
+    "Turgor Volume cannot stand below {modifier}: {problem}": (
+        "Turgor Volume kann nicht unter {modifier} stehen: {problem}"
+    ),
+    "There is no Turgor Volume any more": "Es gibt kein Turgor Volume mehr",
+    "Move Turgor below It": "Turgor darunter",
+    "Move Turgor Volume below this modifier, where it keeps the volume again": (
+        "Turgor Volume unter diesen Modifikator verschieben, wo es das Volumen wieder erhält"
+    ),
+    "The object is hidden: show it first": "Das Objekt ist verborgen: zuerst zeigen",
+    "{file} is a folder: choose another name": "{file} ist ein Ordner: einen anderen Namen wählen",
+    "{file} was not written: look at the console for the reason": (
+        "{file} wurde nicht geschrieben: Der Grund steht in der Konsole"
+    ),
+    "with Turgor, computed": "mit Turgor, berechnet",
     "There is no vertex group {group} any more: choose another, or clear the mask": (
         "Es gibt keine Vertex-Gruppe {group} mehr: eine andere wählen oder die Maske leeren"
     ),

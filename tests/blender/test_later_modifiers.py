@@ -266,3 +266,29 @@ def test_a_healthy_stack_has_no_finding(runtime):
     for frame in (1, 8, FRAME):
         bpy.context.scene.frame_set(frame)
         assert runtime.character(ob.session_uid).later_findings == ()
+
+
+def test_with_a_window_it_waits_until_nothing_moves_and_looks_once(route, runtime, monkeypatch):
+    """A panel that is drawn only asks; a timer looks, and the panel drawn then has it."""
+    strokes = importlib.import_module("addon.live.strokes")
+    later_findings = importlib.import_module("addon.live.later_findings")
+    later_modifiers = importlib.import_module("addon.scene.later_modifiers")
+    looks = []
+    steps = later_modifiers.steps
+    monkeypatch.setattr(strokes, "CAN_WAIT", True)
+    monkeypatch.setattr(later_findings, "SECONDS_TO_REST", 0.0)
+    monkeypatch.setattr(later_modifiers, "steps", lambda *given: looks.append(given) or steps(*given))
+    ob, _ = character()
+    _smooth(ob)
+    add_turgor(ob)
+    for frame in (FRAME - 1, FRAME):
+        bpy.context.scene.frame_set(frame)
+        assert _found(runtime, ob) == {}
+    assert looks == []
+    strokes.finish()
+    assert len(looks) == 1
+    for _ in range(3):
+        assert _found(runtime, ob)["Smooth"]
+        bpy.context.view_layer.update()
+        strokes.finish()
+    assert len(looks) == 1

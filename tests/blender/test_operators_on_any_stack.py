@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import bmesh
 import bpy
@@ -13,6 +14,7 @@ from test_comes_and_goes import _listing
 from test_exact import VOLUME_TOLERANCE
 from tube import add_turgor, character, select
 
+METHODS = ("ABSOLUTE", "REDUCED", "DRIVEN", "POINT_CACHE")
 PLACES = ("before", "after", "both", "pinned")
 
 
@@ -60,8 +62,8 @@ def _buttons(runtime, ob: bpy.types.Object) -> list[tuple[str, str, str]]:
     return [(kind, each.fix, each.subject) for kind, each in found]
 
 
-def _try_all(runtime, ob: bpy.types.Object) -> None:
-    """Add; all that can be done with what was added; remove."""
+def _try_all(runtime, ob: bpy.types.Object, folder: Path | None = None) -> None:
+    """Add; all that can be done with what was added, bakes into a folder too; remove."""
     operators = bpy.ops.object
     for add, remove, rebind in (
         (operators.turgor_volume_add, operators.turgor_volume_remove, operators.turgor_volume_rebind),
@@ -97,6 +99,11 @@ def _try_all(runtime, ob: bpy.types.Object) -> None:
             _attempt(each)
         bpy.context.view_layer.update()
         positions(ob)
+        for method in METHODS if folder is not None else ():
+            ob.turgor_bake.method, ob.turgor_bake.folder = method, str(folder)
+            _attempt(operators.turgor_bake)
+            _attempt(operators.turgor_bake_remove)
+        select([ob])
         is_removed, told = _attempt(remove)
         assert is_removed, told
 
@@ -115,7 +122,7 @@ def _quiet(capfd: pytest.CaptureFixture) -> None:
 @pytest.mark.parametrize("kind", _types())
 def test_every_modifier(runtime, capfd, kind, place):
     ob, _ = character(rings=9, segments=6)
-    bpy.context.scene.frame_end = 5
+    bpy.context.scene.frame_end = 2
     for each in ("before", "after") if place == "both" else (place,):
         _give(ob, kind, each)
     select([ob])
@@ -252,13 +259,23 @@ SITUATIONS = (
 @pytest.mark.parametrize("situation", SITUATIONS, ids=lambda each: each.__name__)
 def test_every_situation(route, runtime, capfd, tmp_path, situation):
     ob, rig = character(rings=9, segments=6)
-    bpy.context.scene.frame_end = 5
+    bpy.context.scene.frame_end = 2
     select([ob])
     ob = situation(ob, rig, tmp_path)
     if ob.mode == "OBJECT":
         select([ob])
-    _try_all(runtime, ob)
-    _attempt(bpy.ops.object.turgor_bake)
+    _try_all(runtime, ob, tmp_path)
+    _quiet(capfd)
+
+
+@pytest.mark.parametrize("place", ["before", "after", "pinned"])
+@pytest.mark.parametrize("kind", ["SUBSURF", "MULTIRES", "CORRECTIVE_SMOOTH", "SOLIDIFY", "MASK", "NODES", "ARMATURE"])
+def test_every_bake(runtime, capfd, tmp_path, kind, place):
+    ob, _ = character(rings=9, segments=6)
+    bpy.context.scene.frame_end = 2
+    _give(ob, kind, place)
+    select([ob])
+    _try_all(runtime, ob, tmp_path)
     _quiet(capfd)
 
 
@@ -302,3 +319,19 @@ def test_ours_goes_after_an_armature_that_is_pinned_to_the_end(runtime):
     assert [modifier.type for modifier in ob.modifiers] == ["ARMATURE", "NODES"]
     bpy.context.scene.frame_set(12)
     assert relative_error(ob, rest) < VOLUME_TOLERANCE
+
+
+@pytest.mark.parametrize(("kind", "suffix"), [("GLTF", ".glb"), ("FBX", ".fbx"), ("USD", ".usdc"), ("ALEMBIC", ".abc")])
+def test_an_export_that_cannot_be_written_says_so(runtime, tmp_path, kind, suffix):
+    ob, _ = character(rings=9, segments=6)
+    bpy.context.scene.frame_end = 2
+    add_turgor(ob)
+    listing, state = _listing(), _state(ob)
+    folder = (tmp_path / "folder").with_suffix(suffix)
+    folder.mkdir()
+    (tmp_path / "file").write_text("")
+    for path in (folder, tmp_path / "file" / f"below{suffix}"):
+        is_done, told = _attempt(bpy.ops.export_scene.turgor, filepath=str(path), format=kind, verify=False)
+        assert not is_done
+        assert path.name in told
+        assert (_listing(), _state(ob)) == (listing, state)
