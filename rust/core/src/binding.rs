@@ -12,6 +12,7 @@ use crate::losses::job::{Anatomy, FaceJoints};
 use crate::losses::plan::LossPlan;
 use crate::numeric::csr::Csr;
 use crate::numeric::lanes::{self, V4};
+use crate::skinning::bases::bases;
 use crate::skinning::blend::{Influences, Skinning};
 use crate::skinning::joint_tree::JointTree;
 use crate::skinning::motions::Motions;
@@ -71,9 +72,12 @@ impl Binding {
         let armature_from_rest = armature_from_object * DAffine3::from_translation(rest_centre);
         let centred: Vec<DVec3> = rest.iter().map(|&p| p - rest_centre).collect();
         let in_armature: Vec<DVec3> = centred.iter().map(|&p| armature_from_rest.transform_point3(p)).collect();
-        let tree = JointTree::new(&skinning.skeleton, &skinning.influences, &in_armature, &vertex_areas(topology, &in_armature));
+        let areas = vertex_areas(topology, &in_armature);
+        let tree = JointTree::new(&skinning.skeleton, &skinning.influences, &in_armature, &areas);
         let influences = on_joints(&skinning.influences, skinning.skeleton.len(), &tree);
-        let face_joints = FaceJoints::new(topology, &bones_of_points(topology, &influences, tree.len()), &tree);
+        let bones_of_point = bones_of_points(topology, &influences, tree.len());
+        let face_joints = FaceJoints::new(topology, &bones_of_point, &tree);
+        let bases = bases(topology, &tree, &skinning.skeleton, &influences, &bones_of_point, &face_joints.tops, &areas);
         let points = topology.points(&in_armature);
         let point_keys = strongest_joints(topology, &influences);
         let patches = Patches::new(topology, &face_joints.tops, &point_keys, &points);
@@ -105,7 +109,7 @@ impl Binding {
             component_of_vertex,
             masses: masses(&influences, &centred, tree.len()),
             size: in_armature.iter().map(|p| p.distance(armature_from_rest.translation)).fold(0.0, f64::max),
-            motions: Motions::new(tree, skinning.skeleton.rest(), skinning.mode),
+            motions: Motions::new(tree, bases, skinning.skeleton.rest(), skinning.mode),
             shape_deltas: deltas_of_sites,
             radius: centred.iter().map(|p| p.length()).fold(0.0, f64::max),
             shape_radii: shape_deltas.iter().map(|deltas| deltas.iter().map(|d| d.length()).fold(0.0, f64::max)).collect(),

@@ -3,9 +3,11 @@
 mod character;
 
 use character::{bound, posed, skinning, tube};
-use glam::{DMat4, DVec3};
+use glam::{DMat4, DQuat, DVec3};
 use proptest::prelude::*;
-use turgor::{Joint, Mesh, Mode, Pose, Profile, Profiles, Report, Shares, VolumeSkin, Workspace, Workspaces};
+use turgor::{
+    Joint, Mesh, Mode, Options, Pose, Profile, Profiles, Report, Shares, Skeleton, Skinning, Topology, VolumeSkin, Workspace, Workspaces,
+};
 
 /// A turn of a bone, at most about 100 degrees.
 fn turn() -> impl Strategy<Value = DVec3> {
@@ -35,6 +37,41 @@ fn corrected(body: &VolumeSkin, pose: &[DMat4]) -> Vec<DVec3> {
 
 fn volume(mesh: &Mesh, positions: &[DVec3]) -> f64 {
     mesh.component_volumes(positions).expect("as many positions").iter().sum()
+}
+
+/// Of what holds the shell beside, and of the limb's two bones.
+const LIMB_HEADS: [DVec3; 3] = [DVec3::new(1.0, 0.0, -1.0), DVec3::new(0.0, 0.0, 1.9), DVec3::new(0.0, 0.0, 2.0)];
+
+/// Two tubes side by side: the first on two bones, blended in its middle, the second on their parent, unless they are cut off.
+fn limb_beside_a_shell(mode: Mode, is_cut: bool) -> (character::Faces, Skinning) {
+    let (mut positions, mut offsets, mut corners) = tube(33, 12);
+    let count = positions.len();
+    let beside: Vec<DVec3> = positions.iter().map(|&p| p + DVec3::new(3.0, 0.0, 0.0)).collect();
+    offsets.extend(offsets.clone().iter().skip(1).map(|offset| offset + corners.len() as i32));
+    corners.extend(corners.clone().iter().map(|corner| corner + count as i32));
+    let (mut bones, mut weights, mut weight_offsets) = (Vec::new(), Vec::new(), vec![0]);
+    for p in &positions {
+        let after = (p.z / 1.2 - 1.2).clamp(0.0, 1.0);
+        bones.extend([1, 2]);
+        weights.extend([1.0 - after, after]);
+        weight_offsets.push(weights.len() as i32);
+    }
+    for _ in &beside {
+        bones.push(0);
+        weights.push(1.0);
+        weight_offsets.push(weights.len() as i32);
+    }
+    positions.extend(beside);
+    let parents = if is_cut { [-1, -1, -1] } else { [-1, 0, 0] };
+    let skeleton = Skeleton::new(&parents, &LIMB_HEADS.map(DMat4::from_translation)).expect("three bones");
+    let skinning = Skinning::new(skeleton, &weight_offsets, &bones, &weights, mode, None).expect("sound weights");
+    ((positions, offsets, corners), skinning)
+}
+
+fn bound_to(faces: &character::Faces, skinning: &Skinning, shape_deltas: &[Vec<DVec3>]) -> VolumeSkin {
+    let (positions, offsets, corners) = faces;
+    let topology = Topology::new(positions, offsets, corners, 0.0).expect("sound tubes");
+    VolumeSkin::bind(&topology, positions, skinning, &[], Options::default(), shape_deltas, &DMat4::IDENTITY).expect("a character")
 }
 
 fn mesh_of(faces: &character::Faces) -> Mesh {
@@ -98,6 +135,33 @@ proptest! {
         let second = deformed(&staged, &pose, &mut second);
         for (a, b) in first.joint_losses.iter().zip(&second.joint_losses) {
             prop_assert!((a - b).abs() < 1e-12, "{a} against {b}");
+        }
+    }
+
+    /// A limb on two bones whose parent holds another shell: it is told against a base of its own, and cut chains are put together.
+    #[test]
+    fn closed_form_and_stages_agree_below_a_bone_whose_skin_is_elsewhere(turns in turns(3), shift in turn(), is_cut in any::<bool>()) {
+        let (faces, skinning) = limb_beside_a_shell(Mode::Linear, is_cut);
+        let still = vec![DVec3::ZERO; faces.0.len()];
+        let turned = |bone: usize| {
+            let head = LIMB_HEADS[bone];
+            DMat4::from_translation(head) * DMat4::from_quat(DQuat::from_scaled_axis(turns[bone])) * DMat4::from_translation(-head)
+        };
+        let root = turned(0);
+        let together = root * DMat4::from_translation(shift * 9.0);
+        let pose = [root, together * turned(1), together * turned(2)];
+        let figures = [&[][..], std::slice::from_ref(&still)].map(|shapes| {
+            let body = bound_to(&faces, &skinning, shapes);
+            deformed(&body, &pose, &mut body.workspace())
+        });
+        for (a, b) in figures[0].joint_losses.iter().zip(&figures[1].joint_losses) {
+            prop_assert!((a - b).abs() < 1e-11, "{a} against {b}");
+        }
+        let lost = |shell: usize| figures[0].target_volumes[shell] - figures[0].skinned_volumes[shell];
+        prop_assert!((figures[0].joint_losses.iter().sum::<f64>() - lost(0) - lost(1)).abs() < 1e-11);
+        let rest = mesh_of(&faces).component_volumes(&faces.0).expect("as many positions");
+        for (target, rest) in figures[0].target_volumes.iter().zip(rest) {
+            prop_assert!((target - rest).abs() < 1e-10, "{target} against {rest}");
         }
     }
 

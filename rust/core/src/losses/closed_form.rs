@@ -38,6 +38,7 @@ type Span = [V4; 4];
 #[derive(Debug, Clone, Copy)]
 struct Turn {
     job: u32,
+    component: u32,
     top: u16,
     joint: u16,
 }
@@ -108,7 +109,7 @@ impl VolumeForms {
             for same in keys.chunk_by(|a, b| a[0] == b[0]) {
                 let joint = same[0][0];
                 let Some(job) = find_job(jobs, usize::from(joint), component) else { continue };
-                turns.push(Turn { job, top: top as u16, joint });
+                turns.push(Turn { job, component, top: top as u16, joint });
                 blocks.push_row(same.iter().map(|key| {
                     let start = numbers.len() as u32;
                     numbers.extend_from_slice(&filled.numbers[key]);
@@ -155,10 +156,29 @@ impl VolumeForms {
             let turn = &self.turns[index];
             let joint = usize::from(turn.joint);
             *change = Change::default();
-            if motions.is_still[joint] {
+            if motions.is_still_in(turn.component, joint) {
                 return;
             }
             let blocks = self.blocks.row(index);
+            if let Some((_, base)) = motions.base(turn.component).filter(|(_, base)| base.top == usize::from(turn.top)) {
+                let against = |motion: usize, joint: usize| {
+                    let centre = self.centres[joint];
+                    let (own, above) = (span(palette.alone(motion), centre), span(palette.alone(base.first_motion), centre));
+                    std::array::from_fn(|i| sub(own[i], above[i]))
+                };
+                let mut added = added.clone();
+                base.members.iter().for_each(|&(member, _)| added[member] = against(member, member));
+                let above = span(palette.alone(base.first_motion), self.centres[usize::from(turn.top)]);
+                let gain_with = |last: &Span| dispatch!(level, simd => gain(simd, blocks, &self.numbers, &above, &added, turn.joint, last));
+                let total = gain_with(&added[joint]);
+                let intent = match motions.intent(turn.component, joint) {
+                    Some(motion) if base.member(joint).is_some() => gain_with(&against(motion, joint)),
+                    Some(_) => gain_with(&stretched[joint]),
+                    None => 0.0,
+                };
+                *change = Change { intent, loss: intent - total };
+                return;
+            }
             let above = &whole[usize::from(turn.top)];
             let gain_with = |last: &Span| dispatch!(level, simd => gain(simd, blocks, &self.numbers, above, added, turn.joint, last));
             let total = gain_with(&added[joint]);

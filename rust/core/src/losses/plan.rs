@@ -6,6 +6,8 @@
 
 use std::collections::HashSet;
 
+use glam::DVec3;
+
 use crate::losses::closed_form::VolumeForms;
 use crate::losses::job::{Anatomy, Bodies, Change, Job, Moment, find_job, moved_volume};
 use crate::losses::staged::Stages;
@@ -64,13 +66,27 @@ impl LossPlan {
         for (change, (job, moment)) in changes.iter_mut().zip(self.jobs.iter().zip(moments)) {
             let joint = job.joint as usize;
             *change = Change::default();
-            if motions.is_still[joint] {
+            if motions.is_still_in(job.component, joint) {
                 continue;
             }
             let volume = |motion: usize| moved_volume(motions.palette.alone(motion), *moment);
-            let before = volume(motions.tree.parents[joint] as usize);
-            let stretched = if motions.has_intent[joint] { volume(motions.stretched(joint)) } else { before };
+            let before = volume(motions.above(job.component, joint));
+            let stretched = motions.intent(job.component, joint).map_or(before, volume);
             *change = Change { intent: stretched - before, loss: stretched - volume(joint) };
+        }
+    }
+
+    /// What was done to whole shells before their joints turned against their bases, added to the first of these.
+    pub fn carry_shells(&self, motions: &Motions, of_body: &[Moment], changes: &mut [Change]) {
+        for base in motions.active_bases() {
+            let bodies = of_body.iter().zip(&self.bodies.components).filter(|(_, component)| **component == base.component);
+            let moment = bodies.fold((0.0, DVec3::ZERO), |sum: Moment, (moment, _)| (sum.0 + moment.0, sum.1 + moment.1));
+            let volume = |motion: usize| moved_volume(motions.palette.alone(motion), moment);
+            let [whole, carrier, unturned] = std::array::from_fn(|place| volume(base.first_motion + place));
+            if let Some(job) = find_job(&self.jobs, base.members[0].0, base.component) {
+                let intent = unturned - volume(base.top) + whole - carrier;
+                changes[job as usize].join(&Change { intent, loss: unturned - carrier });
+            }
         }
     }
 

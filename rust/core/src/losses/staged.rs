@@ -20,8 +20,9 @@ use crate::surface::sweeps;
 /// What deforms each body: patches, then giants.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Stages {
-    /// Joint above each body.
+    /// Joint above each body, and the body's component.
     tops: Vec<u16>,
+    components: Vec<u32>,
     /// Per body, joints that deform it, parents first.
     joints: Csr<u16>,
     /// The same as jobs.
@@ -128,6 +129,7 @@ impl Stages {
         let (top, joints) = joints_of(bones, tree);
         let is_sparse = joints.len() <= JOINTS_MAX;
         self.tops.push(top as u16);
+        self.components.push(component);
         self.is_single.push(is_sparse && slots.iter().all(|&slot| sites.of_slot(slot as usize).len() == 1));
         self.first_rows.push(self.weights.len() as u32);
         for &joint in &joints {
@@ -192,7 +194,7 @@ impl Stages {
             return false;
         }
         let joints = self.joints.row(body.index);
-        let all = || joints.iter().chain([&self.tops[body.index]]).map(|&j| palette.rotation(usize::from(j)));
+        let all = || joints.iter().map(|&j| usize::from(j)).chain([self.above(body)]).map(|motion| palette.rotation(motion));
         palette.mode == Mode::Linear || all().enumerate().all(|(i, a)| all().skip(i + 1).all(|b| lanes::sum(lanes::mul(a, b)) >= 0.0))
     }
 
@@ -222,17 +224,18 @@ impl Stages {
         changes.fill(Change::default());
         let motions = body.motions;
         let joints = self.joints.row(body.index);
-        let last = joints.iter().rposition(|&j| !motions.is_still[usize::from(j)]);
+        let component = self.components[body.index];
+        let last = joints.iter().rposition(|&j| !motions.is_still_in(component, usize::from(j)));
         self.start(simd, body, &mut rows);
-        let mut before = moved_volume(motions.palette.alone(usize::from(self.tops[body.index])), body.moment);
+        let mut before = moved_volume(motions.palette.alone(self.above(body)), body.moment);
         for (stage, change) in changes.iter_mut().enumerate().take(last.map_or(0, |last| last + 1)) {
             let joint = usize::from(joints[stage]);
-            if motions.is_still[joint] {
+            if motions.is_still_in(component, joint) {
                 continue;
             }
             let mut stretched = before;
-            if motions.has_intent[joint] {
-                self.add(simd, body, stage, motions.stretched(joint), &mut rows);
+            if let Some(motion) = motions.intent(component, joint) {
+                self.add(simd, body, stage, motion, &mut rows);
                 place_all(simd, body, &rows, positions.as_mut());
                 stretched = volume(positions);
                 self.start(simd, body, &mut rows);
@@ -252,11 +255,17 @@ impl Stages {
         last
     }
 
-    /// All points as the joint above leaves them.
+    /// Index of the motion of a body before any of its joints turns.
+    #[inline(always)]
+    fn above(&self, body: Body) -> usize {
+        body.motions.whole(self.components[body.index], usize::from(self.tops[body.index]))
+    }
+
+    /// All points as what is above leaves them.
     #[inline(always)]
     fn start<S: Simd>(&self, simd: S, body: Body, rows: &mut Rows) {
         let palette = &body.motions.palette;
-        let top = usize::from(self.tops[body.index]);
+        let top = self.above(body);
         let count = body.slots.len();
         if palette.mode == Mode::Linear {
             if body.shaped_rest.is_some() {
@@ -323,7 +332,7 @@ impl Stages {
     #[inline(always)]
     fn add<S: Simd>(&self, simd: S, body: Body, stage: usize, motion: usize, rows: &mut Rows) {
         let palette = &body.motions.palette;
-        let parent = usize::from(body.motions.tree.parents[usize::from(self.joints.row(body.index)[stage])]);
+        let parent = body.motions.above(self.components[body.index], usize::from(self.joints.row(body.index)[stage]));
         let stretches = body.slots.len().div_ceil(PATCH_POINTS);
         let first_row = self.first_rows[body.index] as usize + stage * stretches;
         for stretch in 0..stretches {

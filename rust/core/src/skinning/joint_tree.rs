@@ -1,11 +1,11 @@
 //! The joints that a mesh makes of bones: those that carry weight, in a tree, parents first.
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
 
 use crate::numeric::csr::Csr;
 use crate::skinning::blend::Influences;
+use crate::skinning::cut_chains::{Hanging, Weighted};
+use crate::skinning::hung_joints::{Blend, HungJoint};
 use crate::skinning::skeleton::Skeleton;
 
 /// Shorter than this part of the mesh's size is no direction.
@@ -26,12 +26,14 @@ pub(crate) struct JointTree {
     pub along_parent: Vec<Option<DVec3>>,
     /// From this joint along its own body at rest; `None` where it has no extent.
     pub along_own: Vec<Option<DVec3>>,
-    /// Joints that hang where their skin blends, not on a bone above them.
+    /// Joints of cut chains, which hang on a bone that is not above them.
     pub is_hung: Vec<bool>,
     /// First joint of each joint's body: itself, but for segments.
     pub bodies: Vec<u16>,
     /// Per bone, whether it is a segment of the one above.
     pub is_segment: Vec<bool>,
+    /// Those of them that may move like something else than what they hang on.
+    pub hung: Vec<HungJoint>,
     /// Bones that carry no weight between each joint and the one above, from above, and then the joint's own.
     pub links: Csr<u32>,
 }
@@ -39,8 +41,7 @@ pub(crate) struct JointTree {
 impl JointTree {
     /// Joints of the bones that carry weight. `rest` are the vertices in armature space, with their `areas`.
     ///
-    /// A weighted bone hangs on its nearest weighted ancestor. One that has none (control rigs cut such chains) hangs on
-    /// the bone with which it shares most weight, so that its joint is found where the skin blends.
+    /// A weighted bone hangs on its nearest weighted ancestor; one that has none as `cut_chains` says.
     pub fn new(skeleton: &Skeleton, influences: &Influences, rest: &[DVec3], areas: &[f64]) -> Self {
         let world = skeleton.len();
         let mut masses = vec![0.0; world + 1];
@@ -52,7 +53,9 @@ impl JointTree {
                 moments[bone as usize] += p * weight;
             }
         }
-        let (parents, is_hung) = weighted_parents(skeleton, influences, &masses, rest, areas);
+        let weighted = Weighted { skeleton, influences, masses: &masses, rest, areas, size: size_of(rest) };
+        let hanging = Hanging::new(&weighted);
+        let Hanging { parents, is_hung, .. } = &hanging;
         let mut children = vec![Vec::new(); world + 1];
         for bone in 0..world {
             if masses[bone] > 0.0 {
@@ -69,6 +72,7 @@ impl JointTree {
             is_hung: Vec::new(),
             bodies: Vec::new(),
             is_segment: skeleton.is_segment.clone(),
+            hung: Vec::new(),
             links: Csr::default(),
         };
         let count = children.iter().map(Vec::len).sum::<usize>() as u16;
@@ -82,9 +86,8 @@ impl JointTree {
             tree.is_hung.push(is_hung[bone as usize]);
             let above = tree.parent(usize::from(joint)).filter(|&p| skeleton.body(tree.bones[p]) == skeleton.body(bone));
             tree.bodies.push(above.map_or(joint, |p| tree.bodies[p]));
-            let between = std::iter::successors(skeleton.parents[bone as usize], |&b| skeleton.parents[b as usize]);
             let has_above = parents[bone as usize].is_some() && !is_hung[bone as usize];
-            let mut links: Vec<u32> = between.take_while(|&b| has_above && masses[b as usize] <= 0.0).collect();
+            let mut links: Vec<u32> = skeleton.ancestors(bone).take_while(|&b| has_above && masses[b as usize] <= 0.0).collect();
             links.reverse();
             tree.links.push_row(links.into_iter().chain([bone]));
             stack.extend(children[bone as usize].iter().rev().map(|&child| (child, joint)));
@@ -94,14 +97,59 @@ impl JointTree {
                 tree.ends[parent] = tree.ends[parent].max(tree.ends[joint]);
             }
         }
-        tree.find_directions(&masses, &moments, rest);
+        tree.find_directions(&masses, &moments, weighted.size * DIRECTION_MIN);
+        tree.hung = tree.hung_joints(&weighted, &hanging);
         tree
     }
 
-    fn find_directions(&mut self, masses: &[f64], moments: &[DVec3], rest: &[DVec3]) {
-        let low = rest.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let high = rest.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-        let shortest = if rest.is_empty() { 0.0 } else { (high - low).length() * DIRECTION_MIN };
+    fn hung_joints(&self, weighted: &Weighted, hanging: &Hanging) -> Vec<HungJoint> {
+        let Weighted { skeleton, influences, rest, areas, .. } = *weighted;
+        let is_hung: Vec<usize> = (0..self.len()).filter(|&joint| self.is_hung[joint]).collect();
+        if is_hung.is_empty() {
+            return Vec::new();
+        }
+        let mut joint_of: Vec<usize> = vec![self.world(); skeleton.len() + 1];
+        for (joint, &bone) in self.bones.iter().enumerate() {
+            joint_of[bone as usize] = joint;
+        }
+        // Joints of each chain, and per joint what it shares with those of others.
+        let chain_of: Vec<usize> = (0..self.len())
+            .map(|joint| self.chain(joint).find(|&j| self.is_hung[j] || self.parent(j).is_none()).unwrap_or(joint))
+            .collect();
+        let mut blends = vec![Vec::new(); self.len()];
+        for (&(a, b), shared) in &hanging.shared {
+            blends[joint_of[a as usize]].push((joint_of[b as usize], shared.amount));
+        }
+        // A chain's first joint is compared by its own skin where that blends, else by that of its chain.
+        let compared_of = |joint: usize| if blends[chain_of[joint]].is_empty() { chain_of[joint] } else { joint };
+        let mut skin = vec![Vec::new(); self.len()];
+        for (vertex, (&p, area)) in rest.iter().zip(areas).enumerate() {
+            let (bones, weights) = influences.of(vertex);
+            let joints =
+                || bones.iter().zip(weights).map(|(&bone, weight)| (joint_of[usize::from(bone)], weight)).filter(|j| j.0 < self.len());
+            for (joint, weight) in joints() {
+                let compared = compared_of(joint);
+                let others: f64 = joints().filter(|j| chain_of[j.0] != chain_of[joint]).map(|j| j.1).sum();
+                if self.is_hung[compared] && others > 0.0 {
+                    skin[compared].push((weight * others * area, p));
+                }
+            }
+        }
+        let hung_joint = |&joint: &usize| {
+            let mut shared: Vec<(usize, f64)> =
+                (0..self.len()).filter(|&j| chain_of[j] == joint && compared_of(j) == joint).flat_map(|j| blends[j].clone()).collect();
+            shared.sort_by_key(|s| s.0);
+            let shared: Vec<(usize, f64)> =
+                shared.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, same.iter().map(|s| s.1).sum())).collect();
+            let (bone, onto) = (self.bones[joint], self.bones[self.parent(joint)?]);
+            let above = skeleton.ancestors(bone).find(|&ancestor| skeleton.ancestors(onto).any(|other| other == ancestor));
+            HungJoint::new(self, joint, Blend::new(&skin[joint]), &shared, above)
+        };
+        is_hung.iter().filter_map(hung_joint).collect()
+    }
+
+    /// `shortest`: less is no direction.
+    fn find_directions(&mut self, masses: &[f64], moments: &[DVec3], shortest: f64) {
         let long = |v: DVec3| (v.length() > shortest).then_some(v);
         let mut below: Vec<f64> = self.bones.iter().map(|&bone| masses[bone as usize]).collect();
         for joint in (0..self.len()).rev() {
@@ -210,68 +258,9 @@ impl JointTree {
     }
 }
 
-/// Skin that two bones share: how much, and its moment.
-type Shared = (f64, DVec3);
-
-/// Nearest weighted ancestor of each weighted bone, else the bone that it blends with most; and which bones are the latter.
-fn weighted_parents(
-    skeleton: &Skeleton,
-    influences: &Influences,
-    masses: &[f64],
-    rest: &[DVec3],
-    areas: &[f64],
-) -> (Vec<Option<u32>>, Vec<bool>) {
-    let mut parents: Vec<Option<u32>> = (0..skeleton.len())
-        .map(|bone| {
-            let mut parent = skeleton.parents[bone];
-            while let Some(p) = parent.filter(|&p| masses[p as usize] <= 0.0) {
-                parent = skeleton.parents[p as usize];
-            }
-            parent
-        })
-        .collect();
-    let mut is_hung = vec![false; skeleton.len()];
-    let roots: Vec<u32> = (0..skeleton.len() as u32).filter(|&b| masses[b as usize] > 0.0 && parents[b as usize].is_none()).collect();
-    if roots.len() < 2 {
-        return (parents, is_hung);
-    }
-    let top = |bone: u32| std::iter::successors(Some(bone), |&b| parents[b as usize]).last().unwrap_or(bone);
-    let mut root_of: Vec<u32> = (0..skeleton.len() as u32).map(top).collect();
-    let mut shared: BTreeMap<(u32, u32), Shared> = BTreeMap::new();
-    for (vertex, (&p, area)) in rest.iter().zip(areas).enumerate() {
-        let (bones, weights) = influences.of(vertex);
-        for (&a, &of_a) in bones.iter().zip(weights) {
-            for (&b, &of_b) in bones.iter().zip(weights) {
-                let apart = usize::from(a) != skeleton.len() && usize::from(b) != skeleton.len();
-                if apart && root_of[usize::from(a)] != root_of[usize::from(b)] {
-                    let sum = shared.entry((u32::from(a), u32::from(b))).or_default();
-                    let amount = of_a * of_b * area;
-                    *sum = (sum.0 + amount, sum.1 + p * amount);
-                }
-            }
-        }
-    }
-    let mut pairs: Vec<((u32, u32), Shared)> = shared.into_iter().filter(|(_, (amount, _))| *amount > 0.0).collect();
-    pairs.sort_by(|a, b| b.1.0.total_cmp(&a.1.0).then(a.0.cmp(&b.0)));
-    // Strongest blend first. A joint is where its skin blends: only a root is hung by its own skin, and of two roots the
-    // one whose head is nearer to it. Trees that blend by other bones alone come last.
-    for _ in 1..roots.len() {
-        let joined = |by_own_skin: bool| {
-            pairs.iter().find_map(|&((a, b), (amount, moment))| {
-                let (root_a, root_b) = (root_of[a as usize], root_of[b as usize]);
-                let distance = |bone: u32| skeleton.head(bone).distance_squared(moment / amount);
-                let is_nearer = distance(root_a) <= distance(root_b);
-                let hangs = if by_own_skin { a == root_a && (b != root_b || is_nearer) } else { is_nearer };
-                (root_a != root_b && hangs).then_some((root_a, b))
-            })
-        };
-        let Some((root, onto)) = joined(true).or_else(|| joined(false)) else { break };
-        let top = root_of[onto as usize];
-        root_of.iter_mut().filter(|of| **of == root).for_each(|of| *of = top);
-        // What is of one tree stays of one.
-        pairs.retain(|&((a, b), _)| root_of[a as usize] != root_of[b as usize]);
-        parents[root as usize] = Some(onto);
-        is_hung[root as usize] = true;
-    }
-    (parents, is_hung)
+/// Diagonal of the box around all vertices.
+fn size_of(rest: &[DVec3]) -> f64 {
+    let low = rest.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = rest.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    if rest.is_empty() { 0.0 } else { (high - low).length() }
 }

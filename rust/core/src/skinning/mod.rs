@@ -1,7 +1,10 @@
 //! Bones and what they do to points: skeletons, weights, blends of motions.
 
+pub(crate) mod bases;
 pub(crate) mod blend;
+mod cut_chains;
 pub(crate) mod dual_quaternion;
+pub(crate) mod hung_joints;
 pub(crate) mod joint_tree;
 pub(crate) mod motions;
 pub(crate) mod sites;

@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use crate::skinning::bases::{Base, mean};
 use crate::skinning::blend::{Mode, Palette};
 use crate::skinning::joint_tree::JointTree;
 
@@ -20,6 +21,11 @@ pub(crate) struct Motions {
     pub has_intent: Vec<bool>,
     /// Joints that do exactly what their parent does.
     pub is_still: Vec<bool>,
+    /// Per hung joint the part of its loss that it keeps, and what those between are given of the rest, up to a factor.
+    pub handed_on: Vec<(f64, Vec<f64>)>,
+    bases: Vec<Base>,
+    /// Per base, for each member whether it is stretched and shifted against it; empty where the base does what `top` does.
+    members_have_intent: Vec<Vec<bool>>,
     rest: Vec<DAffine3>,
     /// Place of each bone at rest, armature space.
     bone_heads: Vec<DVec3>,
@@ -27,18 +33,60 @@ pub(crate) struct Motions {
 
 impl Motions {
     /// `rest`: rest matrix of each bone.
-    pub fn new(tree: JointTree, rest: &[DAffine3], mode: Mode) -> Self {
+    pub fn new(tree: JointTree, bases: Vec<Base>, rest: &[DAffine3], mode: Mode) -> Self {
         let count = tree.len();
+        let motion_count = 2 * count + 1 + bases.iter().map(Base::motion_count).sum::<usize>();
         let bone_heads = rest.iter().map(|m| m.translation).collect();
         let rest = tree.bones.iter().map(|&bone| rest[bone as usize]).collect();
         Self {
-            palette: Palette::new(mode, 2 * count + 1),
+            palette: Palette::new(mode, motion_count),
             channels: vec![DAffine3::IDENTITY; count + 1],
             has_intent: vec![false; count],
             is_still: vec![true; count],
+            handed_on: tree.hung.iter().map(|hung| (1.0, vec![0.0; hung.between.len()])).collect(),
+            members_have_intent: vec![Vec::new(); bases.len()],
+            bases,
             rest,
             bone_heads,
             tree,
+        }
+    }
+
+    /// The base that a shell moves against in this frame, with its number; `None` where that is what the joint above it does.
+    pub fn base(&self, component: u32) -> Option<(usize, &Base)> {
+        let index = self.bases.binary_search_by_key(&component, |base| base.component).ok()?;
+        (!self.members_have_intent[index].is_empty()).then(|| (index, &self.bases[index]))
+    }
+
+    /// All bases of this frame.
+    pub fn active_bases(&self) -> impl Iterator<Item = &Base> {
+        self.bases.iter().zip(&self.members_have_intent).filter(|(_, members)| !members.is_empty()).map(|(base, _)| base)
+    }
+
+    /// Index of the motion of a shell as a whole, where `joint` is above all of its joints, else of that joint.
+    pub fn whole(&self, component: u32, joint: usize) -> usize {
+        self.base(component).filter(|(_, base)| base.top == joint).map_or(joint, |(_, base)| base.first_motion)
+    }
+
+    /// Index of the motion against which a joint turns in a shell.
+    pub fn above(&self, component: u32, joint: usize) -> usize {
+        self.whole(component, usize::from(self.tree.parents[joint]))
+    }
+
+    /// Index of the motion of a joint that is stretched and shifted only, in a shell; `None` where it is neither.
+    pub fn intent(&self, component: u32, joint: usize) -> Option<usize> {
+        let member = self.base(component).and_then(|(index, base)| Some((index, base, base.member(joint)?)));
+        match member {
+            Some((index, base, member)) => self.members_have_intent[index][member].then_some(base.first_motion + 3 + member),
+            None => self.has_intent[joint].then(|| self.stretched(joint)),
+        }
+    }
+
+    /// True where a joint does nothing in a shell that is not done to it from above.
+    pub fn is_still_in(&self, component: u32, joint: usize) -> bool {
+        match self.base(component).filter(|(_, base)| base.member(joint).is_some()) {
+            Some(_) => false,
+            None => self.is_still[joint],
         }
     }
 
@@ -49,23 +97,69 @@ impl Motions {
 
     /// Where a joint goes that is shifted and stretched like itself and the bones without weight above it, but not turned.
     fn intended(&self, joint: usize, parent: &DAffine3, pose: &[DAffine3], size: f64) -> Option<DAffine3> {
+        self.stretched_along(self.tree.links.row(joint), parent, pose, size, !self.tree.is_hung[joint])
+    }
+
+    /// `parent`, stretched like the bones below it, and shifted where shifts are meant; `None` where it is neither.
+    fn stretched_along(&self, bones: &[u32], parent: &DAffine3, pose: &[DAffine3], size: f64, shift_is_meant: bool) -> Option<DAffine3> {
         let mut above = *parent;
         let mut stretched = *parent;
         let mut is_meant = false;
-        for &bone in self.tree.links.row(joint) {
+        for &bone in bones {
             let channel = pose[bone as usize];
             if above.matrix3.determinant() == 0.0 {
-                return Some(self.channels[joint]);
+                return bones.last().map(|&bone| pose[bone as usize]);
             }
             let local = above.inverse() * channel;
-            let is_bent = self.tree.is_hung[joint] || self.tree.is_segment[bone as usize];
-            if let Some(map) = intended(&local, self.bone_heads[bone as usize], size, is_bent) {
+            let is_meant_shift = shift_is_meant && !self.tree.is_segment[bone as usize];
+            if let Some(map) = intended(&local, self.bone_heads[bone as usize], size, is_meant_shift) {
                 stretched *= map;
                 is_meant = true;
             }
             above = channel;
         }
         is_meant.then_some(stretched)
+    }
+
+    /// Sets the motions of a base. It takes part where a shell moves otherwise than the joint above it, turns apart.
+    fn set_base(&mut self, index: usize, pose: &[DAffine3], size: f64) {
+        let base = &self.bases[index];
+        let top = self.channels[base.top];
+        let carrier = base.carrier.map_or(top, |bone| pose[bone as usize]);
+        // Bones below the carrier, and whether the member hangs below it at all.
+        let links = |member: usize| {
+            let row = self.tree.links.row(member);
+            let below = base.carrier.and_then(|carrier| row.iter().position(|&bone| bone == carrier)).map_or(0, |place| place + 1);
+            (&row[..below], &row[below..])
+        };
+        let against_carrier =
+            |member: usize, shift_is_meant: bool| self.stretched_along(links(member).1, &carrier, pose, size, shift_is_meant);
+        if carrier == top && base.members.iter().all(|&(joint, _)| against_carrier(joint, true).is_none()) {
+            self.members_have_intent[index].clear();
+            return;
+        }
+        let whole = mean(base.members.iter().map(|&(joint, part)| (part, against_carrier(joint, true).unwrap_or(carrier))));
+        let (to_carrier, _) = links(base.members[0].0);
+        let to_carrier = if to_carrier.is_empty() { base.carrier.as_slice() } else { to_carrier };
+        let unturned = self.stretched_along(to_carrier, &top, pose, size, !self.tree.is_hung[base.members[0].0]).unwrap_or(top);
+        let mut motions = vec![(whole, true), (carrier, true), (unturned, true)];
+        for &(joint, _) in &base.members {
+            let is_hung = self.tree.is_hung[joint];
+            motions.push(match against_carrier(joint, !is_hung) {
+                Some(stretched) if is_hung => {
+                    // Stretched where the base takes it: its shift is how a cut chain turns.
+                    let head = self.tree.heads[joint];
+                    let back = whole.transform_point3(head) - stretched.transform_point3(head);
+                    (DAffine3::from_translation(back) * stretched, true)
+                }
+                stretched => (stretched.unwrap_or(carrier), !is_hung),
+            });
+        }
+        let (first, above, rest) = (base.first_motion, base.top, self.rest[base.members[0].0]);
+        for (place, (motion, _)) in motions.iter().enumerate() {
+            self.palette.set(first + place, &rest, motion, Some(above));
+        }
+        self.members_have_intent[index] = motions[3..].iter().map(|m| m.1).collect();
     }
 
     /// Takes a pose. `size`: the mesh's, for what counts as a shift. `keep_bone_scale`: shift and stretch are intent.
@@ -87,6 +181,14 @@ impl Motions {
                 self.palette.set(index, &self.rest[joint], &stretched, Some(above));
             }
         }
+        for index in 0..self.bases.len() {
+            if keep_bone_scale {
+                self.set_base(index, pose, size);
+            }
+        }
+        for (hung, (kept, parts)) in self.tree.hung.iter().zip(&mut self.handed_on) {
+            *kept = hung.kept(&self.tree, &self.channels, pose, parts);
+        }
     }
 }
 
@@ -94,8 +196,8 @@ impl Motions {
 ///
 /// The shift of a joint that is hung where its skin blends is how a cut chain turns, that of a segment how its body bends: no
 /// more meant than a turn.
-fn intended(local: &DAffine3, head: DVec3, size: f64, is_bent: bool) -> Option<DAffine3> {
-    let shift = if is_bent { DVec3::ZERO } else { local.transform_point3(head) - head };
+fn intended(local: &DAffine3, head: DVec3, size: f64, shift_is_meant: bool) -> Option<DAffine3> {
+    let shift = if shift_is_meant { local.transform_point3(head) - head } else { DVec3::ZERO };
     // Half of AᵀA − 1 is the strain as long as it is small: most joints only turn, and are known by it.
     let doubled = local.matrix3.transpose() * local.matrix3 - DMat3::IDENTITY;
     let is_turn = doubled.to_cols_array().iter().all(|s| s.abs() <= INTENT_NOISE) && local.matrix3.determinant() > 0.0;

@@ -84,4 +84,14 @@ impl Skeleton {
     pub(super) fn head(&self, bone: u32) -> DVec3 {
         self.rest[bone as usize].translation
     }
+
+    /// Unit vector along a bone, its own y; zero where that has no length.
+    pub(super) fn direction(&self, bone: u32) -> DVec3 {
+        self.rest[bone as usize].matrix3.y_axis.normalize_or_zero()
+    }
+
+    /// Bones above a bone, from below.
+    pub(super) fn ancestors(&self, bone: u32) -> impl Iterator<Item = u32> {
+        std::iter::successors(self.parents[bone as usize], |&b| self.parents[b as usize])
+    }
 }

@@ -1,0 +1,25 @@
+//! What joints of cut chains are not given though they move against what they hang on.
+
+use crate::losses::job::{Change, Job, find_job};
+use crate::skinning::motions::Motions;
+
+/// Hands the losses of joints that move like another bone on to those that move it against them; their sum stays.
+pub(crate) fn hand_on(jobs: &[Job], motions: &Motions, changes: &mut [Change]) {
+    // Those below first: what they hand on may be handed on again.
+    for (hung, (kept, parts)) in motions.tree.hung.iter().zip(&motions.handed_on).rev().filter(|(_, (kept, _))| *kept < 1.0) {
+        let first = jobs.partition_point(|job| job.joint < u32::from(hung.joint));
+        let own = jobs[first..].iter().take_while(|job| job.joint == u32::from(hung.joint));
+        for (job, own) in (first..).zip(own) {
+            let given = || {
+                let jobs = hung.between.iter().map(|&joint| find_job(jobs, usize::from(joint), own.component));
+                jobs.zip(parts).filter_map(|(job, part)| Some((job? as usize, part)))
+            };
+            let whole: f64 = given().map(|g| g.1).sum();
+            if whole > 0.0 && whole.is_finite() {
+                let handed = changes[job].loss * (1.0 - kept);
+                changes[job].loss *= kept;
+                given().for_each(|(job, part)| changes[job].loss += handed * (part / whole));
+            }
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! Joints that hang where their skin blends, and whose loss it is when they do what something else does.
+//!
+//! The tree says what such a joint moves against, and weights cannot always tell that. A shoulder that was hung on the arm stays
+//! with the chest as the arm turns: it moves against what it hangs on, but it is the arm that turns. So a joint that moves
+//! like a bone with which it blends, or like the bone above all of them, hands its loss on to the joints between.
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use crate::skinning::joint_tree::JointTree;
+
+/// A bone that shares less than this part of a joint's blends is none to compare it with.
+const SHARE_MIN: f64 = 0.02;
+/// A joint that is less than this part as far, squared, from another bone as from what it hangs on begins to go with it.
+const LIKENESS: f64 = 0.25;
+
+/// How much skin, its centre, and its second moments about it.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Blend {
+    amount: f64,
+    centre: DVec3,
+    second: DMat3,
+}
+
+impl Blend {
+    pub fn new(skin: &[(f64, DVec3)]) -> Self {
+        let amount: f64 = skin.iter().map(|s| s.0).sum();
+        let centre = skin.iter().map(|&(amount, p)| p * amount).sum::<DVec3>() / amount.max(f64::MIN_POSITIVE);
+        let outer = |v: DVec3| DMat3::from_cols(v * v.x, v * v.y, v * v.z);
+        let second = skin.iter().fold(DMat3::ZERO, |sum, &(amount, p)| sum + outer(p - centre) * amount);
+        Self { amount, centre, second }
+    }
+
+    /// Σ |a(p) − b(p)|² over the skin.
+    fn apart(&self, a: &DAffine3, b: &DAffine3) -> f64 {
+        let by = a.matrix3 - b.matrix3;
+        let middle = a.transform_point3(self.centre) - b.transform_point3(self.centre);
+        let spread = by * self.second;
+        let around: f64 = spread.to_cols_array().iter().zip(by.to_cols_array()).map(|(s, b)| s * b).sum();
+        around.max(0.0) + self.amount * middle.length_squared()
+    }
+}
+
+/// What a joint may move like.
+#[derive(Debug, Clone, Copy)]
+enum Like {
+    Joint(u16),
+    /// The bone, without weight, above the joint and what it hangs on; without one the armature.
+    Above(Option<u32>),
+}
+
+#[derive(Debug, Clone)]
+struct Other {
+    like: Like,
+    /// Part of the joint's blends.
+    share: f64,
+    /// Joints that move what the joint hangs on against `like`, as places in `HungJoint::between`.
+    path: Vec<usize>,
+}
+
+/// A joint that hangs where its skin blends.
+#[derive(Debug, Clone)]
+pub(crate) struct HungJoint {
+    pub joint: u16,
+    /// Joints that may be given its loss.
+    pub between: Vec<u16>,
+    blend: Blend,
+    others: Vec<Other>,
+}
+
+impl HungJoint {
+    /// `shared`: joints of other trees with which it shares skin, and how much; `above`: the bone above it and what it hangs on.
+    pub(super) fn new(tree: &JointTree, joint: usize, blend: Blend, shared: &[(usize, f64)], above: Option<u32>) -> Option<Self> {
+        let onto = tree.parent(joint)?;
+        let whole: f64 = shared.iter().map(|s| s.1).sum();
+        let mut result = Self { joint: joint as u16, between: Vec::new(), blend, others: Vec::new() };
+        let below = joint..usize::from(tree.ends[joint]);
+        for &(other, amount) in shared.iter().filter(|s| s.0 != onto && !below.contains(&s.0) && s.1 >= SHARE_MIN * whole) {
+            let top = tree.common_ancestor(onto, other);
+            let path = tree.chain(onto).chain(tree.chain(other)).filter(|&j| j != top && tree.chain(top).all(|above| above != j));
+            result.push(Like::Joint(other as u16), amount / whole, path);
+        }
+        result.push(Like::Above(above), 1.0, tree.chain(onto));
+        Some(result)
+    }
+
+    fn push(&mut self, like: Like, share: f64, path: impl Iterator<Item = usize>) {
+        let place = |joint: usize| {
+            self.between.iter().position(|&j| usize::from(j) == joint).unwrap_or_else(|| {
+                self.between.push(joint as u16);
+                self.between.len() - 1
+            })
+        };
+        let path: Vec<usize> = path.map(place).collect();
+        if !path.is_empty() {
+            self.others.push(Other { like, share, path });
+        }
+    }
+
+    /// Part of its loss that the joint keeps, and in `parts` what of the rest each joint between is given, up to a factor.
+    /// Continuous in the pose: where a part is not, there is nothing to share out.
+    pub(super) fn kept(&self, tree: &JointTree, channels: &[DAffine3], pose: &[DAffine3], parts: &mut [f64]) -> f64 {
+        let own = &channels[usize::from(self.joint)];
+        let from_onto = self.blend.apart(own, &channels[usize::from(tree.parents[usize::from(self.joint)])]);
+        parts.fill(0.0);
+        let mut kept = 1.0;
+        for other in &self.others {
+            let like = match other.like {
+                Like::Joint(joint) => &channels[usize::from(joint)],
+                Like::Above(bone) => bone.map_or(&DAffine3::IDENTITY, |bone| &pose[bone as usize]),
+            };
+            let likeness = self.blend.apart(own, like) / (LIKENESS * from_onto);
+            // Also where nothing moves against anything.
+            if likeness.is_nan() || likeness >= 1.0 {
+                continue;
+            }
+            let own_part = likeness * likeness * (3.0 - 2.0 * likeness);
+            kept *= own_part;
+            for &place in &other.path {
+                let joint = usize::from(self.between[place]);
+                let above = match (tree.parent(joint), other.like) {
+                    (None, Like::Above(_)) => like,
+                    _ => &channels[usize::from(tree.parents[joint])],
+                };
+                parts[place] += (1.0 - own_part) * other.share * self.blend.apart(&channels[joint], above);
+            }
+        }
+        kept
+    }
+}
