@@ -27,7 +27,7 @@ impl Workspace {
             (false, Some(forms), Some(buffers)) => forms.gather(buffers, &mut self.changes),
             _ => binding.plan.stages.gather(&self.stage_changes, &mut self.changes),
         }
-        binding.plan.carry_shells(&self.motions, &self.body_moments, &mut self.changes);
+        binding.plan.carry_shells(&self.motions, is_staged, &self.body_moments, &mut self.changes);
         hand_on(&binding.plan.jobs, &self.motions, &mut self.changes);
         self.components.fill(ComponentState::default());
         // Moments are about the rest mesh in object space.

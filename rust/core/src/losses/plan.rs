@@ -77,9 +77,9 @@ impl LossPlan {
     }
 
     /// What was done to whole shells before their joints turned against their bases, added to the first of these.
-    pub fn carry_shells(&self, motions: &Motions, of_body: &[Moment], changes: &mut [Change]) {
+    pub fn carry_shells(&self, motions: &Motions, by_stages: bool, of_body: &[Moment], changes: &mut [Change]) {
         for base in motions.active_bases() {
-            let bodies = of_body.iter().zip(&self.bodies.components).filter(|(_, component)| **component == base.component);
+            let bodies = of_body.iter().zip(&self.bodies(by_stages).components).filter(|(_, component)| **component == base.component);
             let moment = bodies.fold((0.0, DVec3::ZERO), |sum: Moment, (moment, _)| (sum.0 + moment.0, sum.1 + moment.1));
             let volume = |motion: usize| moved_volume(motions.palette.alone(motion), moment);
             let [whole, carrier, unturned] = std::array::from_fn(|place| volume(base.first_motion + place));
