@@ -117,7 +117,7 @@ def _bind(target: bpy.types.Object, before: VolumeBinding | None, accept_topolog
     place = placement.bound_object_from_armature(target.turgor)
     if place is None:
         place = placement.object_from_armature(target, armature.object)
-    skinned = skin.read_skin(read, group_names, armature, place)
+    skinned = skin.read_skin(read, group_names, armature, place, target.turgor.bound_frame)
     content = _content(read, skinned, armature)
     if before is not None and is_editable(target):
         settings.rename_joints(target, _renamed(before.bones, skinned.bones))
@@ -125,7 +125,7 @@ def _bind(target: bpy.types.Object, before: VolumeBinding | None, accept_topolog
     weighed_at = place
     place = _placement(target, armature.object, is_changed=_is_changed(before, armature.object, content))
     if skinned.is_placed and (weighed_at != place).any():
-        skinned = skin.read_skin(read, group_names, armature, place)
+        skinned = skin.read_skin(read, group_names, armature, place, target.turgor.bound_frame)
         content = _content(read, skinned, armature)
     bones = skinned.bones
     skin.check(skinned, armature)

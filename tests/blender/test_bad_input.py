@@ -51,23 +51,6 @@ def _multi_modifier(ob, rig):
     ob.modifiers["Armature"].use_multi_modifier = True
 
 
-def _envelopes(ob, rig):
-    ob.modifiers["Armature"].use_bone_envelopes = True
-
-
-def _bendy_bone(ob, rig):
-    rig.data.bones["Bone1"].bbone_segments = 4
-
-
-def _envelopes_only(ob, rig):
-    ob.modifiers["Armature"].use_vertex_groups = False
-    ob.modifiers["Armature"].use_bone_envelopes = True
-
-
-def _multiplied_envelope(ob, rig):
-    rig.data.bones["Bone1"].use_envelope_multiply = True
-
-
 def _second_armature_before(ob, rig):
     _second_armature_after(ob, rig)
     ob.modifiers.move(len(ob.modifiers) - 1, 0)
@@ -105,11 +88,7 @@ def _no_groups(ob, rig):
 
 
 UNSUPPORTED = [
-    (_bendy_bone, "bendy"),
     (_multi_modifier, "Multi Modifier"),
-    (_envelopes, "envelopes"),
-    (_envelopes_only, "envelopes"),
-    (_multiplied_envelope, "envelope"),
     (_second_armature_before, "only one Armature"),
     (_second_armature_after, "only one Armature"),
     (_second_armature_blends, "Second"),

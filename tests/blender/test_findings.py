@@ -40,15 +40,6 @@ def _multi_modifier(ob, rig):
     ob.modifiers["Armature"].use_multi_modifier = True
 
 
-def _envelopes(ob, rig):
-    ob.modifiers["Armature"].use_bone_envelopes = True
-
-
-def _multiplied_envelope(ob, rig):
-    for bone in rig.data.bones:
-        bone.use_envelope_multiply = True
-
-
 def _second_armature(ob, rig):
     second = ob.modifiers.new("Second", "ARMATURE")
     second.object = rig
@@ -94,8 +85,6 @@ def _off_in_renders(ob, rig):
 
 HARMS: list[tuple[Callable, str, str]] = [
     (_multi_modifier, "multi_modifier", "ERROR"),
-    (_envelopes, "bone_envelopes", "ERROR"),
-    (_multiplied_envelope, "envelope_multiply", "ERROR"),
     (_second_armature, "second_armature", "ERROR"),
     (_second_armature_after, "second_armature", "ERROR"),
     (_moving_before, "moving_modifier", "ERROR"),
