@@ -31,6 +31,7 @@ class Deltas:
             source.end,
             source.rest,
             source.placement,
+            source.bound_frame,
             influences=options.influences,
             use_linear=options.use_linear,
         )

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from ..live import skin
 from ..logic import inverse_skinning, weights
-from ..scene import frame, rest, skeleton
+from ..scene import frame as scene_frame
+from ..scene import rest, skeleton
 from .options import BakeError
 
 
@@ -37,7 +38,7 @@ class PosedSkin(NamedTuple):
         return self.skin.maps(matrices, posed.object_from_armature)
 
 
-def posed_of(rig: bpy.types.Object, bones: skeleton.RestBones, inputs: frame.FrameInputs) -> Posed:
+def posed_of(rig: bpy.types.Object, bones: skeleton.RestBones, inputs: scene_frame.FrameInputs) -> Posed:
     """`rig`: evaluated; bones as bound, inputs as read by them."""
     plain = inputs.pose_matrices
     if bones.bends is not None:
@@ -50,17 +51,18 @@ def skin_of(
     armature: bpy.types.ArmatureModifier,
     read: rest.RestMesh,
     object_from_armature: NDArray[np.float64],
+    frame: int,
     *,
     influences: int = 0,
     use_linear: bool = False,
 ) -> PosedSkin:
-    """object_from_armature: where the character was bound. influences: the largest of each vertex, 0 for all.
+    """object_from_armature: where it was bound, at `frame`. influences: the largest of each vertex, 0 for all.
 
     use_linear: also where the Armature does not; such engines know no bendy bones either.
     """
     group_names = [group.name for group in target.vertex_groups]
     is_plain = use_linear or influences > 0
-    found = skin.read_skin(read, group_names, armature, object_from_armature, is_plain=is_plain)
+    found = skin.read_skin(read, group_names, armature, object_from_armature, frame, is_plain=is_plain)
     bones, kept = found.bones, found.weights
     if not len(bones.names):
         raise BakeError(f"No vertex group of {target.name} is named after a deform bone: assign weights")

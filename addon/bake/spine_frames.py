@@ -43,7 +43,11 @@ class SpineFrames:
         self._limb = spine_stack.limb_modifier(target)
         self.bound_frame = target.turgor_spine.bound_frame
         self.rest = rest.read_rest(target, self.end, self.bound_frame)
-        self._skin = None if self._limb is None else skin_of(target, self._limb, self.rest, self._bound.placement)
+        self._skin = (
+            None
+            if self._limb is None
+            else skin_of(target, self._limb, self.rest, self._bound.placement, self.bound_frame)
+        )
 
     @property
     def rest_positions(self) -> NDArray[np.float32]:

@@ -131,7 +131,7 @@ def _bind(
     if place is None:
         place = placement.IDENTITY if rig is None else placement.object_from_armature(target, rig)
     is_dual = _is_dual(target, armature)
-    skinned = skin.read_skin(read, group_names, armature, place)
+    skinned = skin.read_skin(read, group_names, armature, place, target.turgor.bound_frame)
     content = _content(read, skinned, is_dual)
     if before is not None and is_editable(target):
         settings.rename_joints(target, _renamed(before.bones, skinned.bones))
@@ -141,7 +141,7 @@ def _bind(
     if rig is not None:
         place = _placement(target, rig, is_changed=_is_changed(before, rig, content))
     if skinned.is_placed and (weighed_at != place).any():
-        skinned = skin.read_skin(read, group_names, armature, place)
+        skinned = skin.read_skin(read, group_names, armature, place, target.turgor.bound_frame)
         content = _content(read, skinned, is_dual)
     bones = skinned.bones
     if skinned.moving and not lane.is_evaluated:

@@ -39,10 +39,11 @@ def read_skin(
     group_names: list[str],
     armature: bpy.types.ArmatureModifier | None,
     object_from_armature: NDArray[np.float64],
+    frame: int,
     *,
     is_plain: bool = False,
 ) -> Skin:
-    """object_from_armature: where the mesh was bound. is_plain: as engines skin that know no bendy bones.
+    """object_from_armature: where the mesh was bound, at `frame`. is_plain: as engines that know no bendy bones.
 
     armature: None where no bones pose the mesh.
     """
@@ -67,7 +68,7 @@ def read_skin(
         return Skin(bones, of_groups, mask, False, "")
     if is_plain:
         return Skin(bones, made.enveloped(points), mask, True, "")
-    with bendy.rest_pose(rig) as posed:
+    with bendy.rest_pose(rig, frame) as posed:
         held = made.enveloped(points)
         bends = {
             bone: posed.read(bones.names[bone])

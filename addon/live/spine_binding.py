@@ -173,7 +173,7 @@ def _limb(
     """What the chain's own weights hold; None where no Armature skins the body first."""
     if armature is None or chain is None:
         return None, None
-    skinned = skin.read_skin(read, group_names, armature, place)
+    skinned = skin.read_skin(read, group_names, armature, place, target.turgor_spine.bound_frame)
     skin.check(skinned, armature, is_evaluated=False)
     skin.check_still(skinned)
     bones = skinned.bones

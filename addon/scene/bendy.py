@@ -26,6 +26,18 @@ REST_SETTINGS = (
 STRAIGHT = 1e-6
 
 
+def _have_buffers() -> bool:
+    try:
+        memoryview(Matrix())  # pyright: ignore[reportArgumentType]
+    except TypeError:
+        return False
+    return True
+
+
+# Matrices are bytes from some Blender 5 on; read so, they take a sixth of the time.
+_HAVE_BUFFERS = _have_buffers()
+
+
 class MovingRest(NamedTuple):
     """A bone whose curve at rest is keyed or driven."""
 
@@ -47,6 +59,8 @@ class Bends(NamedTuple):
     end_bones: NDArray[np.intp]  # (E,)
     owners: NDArray[np.intp]  # bone of each row that is not a bone
     moving: tuple[MovingRest, ...]
+    # By a place in `moving` and settings: the part of `after` that these make. Filled by frames.
+    moved: dict[tuple[int, tuple[object, ...]], NDArray[np.float64]]
 
 
 class RestBend(NamedTuple):
@@ -91,9 +105,10 @@ class RestPose:
 
 
 @contextmanager
-def rest_pose(rig: bpy.types.Object) -> Iterator[RestPose]:
-    """The bones of `rig` without its pose; nothing in the artist's scene is tagged."""
+def rest_pose(rig: bpy.types.Object, frame: int) -> Iterator[RestPose]:
+    """The bones of `rig` without its pose, as they are at `frame`; nothing in the artist's scene is tagged."""
     scene = bpy.data.scenes.new("Turgor Bind")
+    scene.frame_current = frame
     ob = bpy.data.objects.new("Turgor Bind", rig.data)
     try:
         scene.collection.objects.link(ob)
@@ -148,8 +163,10 @@ def read_nodes(
     for name, nodes in reads:
         read = bones[name].bbone_segment_matrix
         matrices += [read(node, rest=is_rest) for node in nodes]
-    # Not np.array of them: without the buffer protocol, new in Blender 5.x, it takes twenty times as long.
-    flat = np.fromiter(chain.from_iterable(chain.from_iterable(matrices)), np.float64, 16 * len(matrices))
+    if _HAVE_BUFFERS:
+        flat = np.frombuffer(b"".join(map(bytes, matrices)), np.float32).astype(np.float64)
+    else:
+        flat = np.fromiter(chain.from_iterable(chain.from_iterable(matrices)), np.float64, 16 * len(matrices))
     return flat.reshape(-1, 4, 4)
 
 
@@ -157,20 +174,34 @@ def pose_rows(rig: bpy.types.Object, bends: Bends, matrices: NDArray[np.float32]
     """Fill the rows of `bends` in `matrices`, (R, 4, 4), whose bones have pose @ inverse(rest). `rig`: evaluated."""
     bones = matrices[bends.bones].astype(np.float64)
     matrices[bends.end_rows] = matrices[bends.end_bones]
-    after = bends.after
-    moved = [(rest.read, values) for rest in bends.moving if (values := _now(rig, bends, rest)) != rest.values]
-    if moved:
-        after = after.copy()
-        starts = np.cumsum([0, *(len(nodes) for _, nodes in bends.reads)])
-        for read, _ in moved:
-            rows = slice(starts[read], starts[read + 1])
-            at_rest = bends.before[rows] @ read_nodes(rig, [bends.reads[read]], is_rest=True)
-            after[rows] = np.linalg.inv(at_rest)
+    after = _after(rig, bends)
     matrices[bends.rows] = bones @ bends.before @ read_nodes(rig, bends.reads) @ after
 
 
-def _now(rig: bpy.types.Object, bends: Bends, rest: MovingRest) -> tuple[object, ...]:
-    return _values(rig.data.bones[bends.reads[rest.read][0]], rest.settings)
+# Settings of animated curves at rest that are remembered, of each bone.
+_MOST_MOVED = 16
+
+
+def _after(rig: bpy.types.Object, bends: Bends) -> NDArray[np.float64]:
+    """(M, 4, 4) as in `Bends`, with the curves at rest as they are now."""
+    after = bends.after
+    for place, rest in enumerate(bends.moving):
+        name, nodes = bends.reads[rest.read]
+        now = place, _values(rig.data.bones[name], rest.settings)
+        if now[1] == rest.values:
+            continue
+        first = sum(len(each) for _, each in bends.reads[: rest.read])
+        rows = slice(first, first + len(nodes))
+        moved = bends.moved.get(now)
+        if moved is None:
+            moved = np.linalg.inv(bends.before[rows] @ read_nodes(rig, [(name, nodes)], is_rest=True))
+            if len(bends.moved) >= _MOST_MOVED * len(bends.moving):
+                bends.moved.clear()
+            bends.moved[now] = moved
+        if after is bends.after:
+            after = after.copy()
+        after[rows] = moved
+    return after
 
 
 def _values(bone: bpy.types.Bone, names: Iterable[str]) -> tuple[object, ...]:

@@ -149,6 +149,7 @@ def bent(bones: RestBones, bends: Mapping[int, bendy.RestBend], nodes: Mapping[i
             np.array(list(ends), np.intp),
             np.array(owners, np.intp),
             tuple(moving),
+            {},
         ),
     )
 

@@ -47,21 +47,6 @@ def _flat_object(ob, rig):
     ob.scale = (1.0, 0.0, 1.0)
 
 
-def _envelopes(ob, rig):
-    ob.modifiers["Armature"].use_bone_envelopes = True
-
-
-def _bendy_bone(ob, rig):
-    rig.data.bones["Bone1"].bbone_segments = 4
-
-
-def _envelopes_only(ob, rig):
-    ob.modifiers["Armature"].use_vertex_groups = False
-    ob.modifiers["Armature"].use_bone_envelopes = True
-
-
-def _multiplied_envelope(ob, rig):
-    rig.data.bones["Bone1"].use_envelope_multiply = True
 
 
 def _second_armature_after(ob, rig):
@@ -91,10 +76,6 @@ def _deforming_parent(ob, rig):
 
 
 UNSUPPORTED = [
-    (_bendy_bone, "bendy"),
-    (_envelopes, "envelopes"),
-    (_envelopes_only, "envelopes"),
-    (_multiplied_envelope, "envelope"),
     (_masked_by_selected_bones, "Mask"),
     (_cloth, "Cloth simulates"),
     (_deforming_parent, "Rig deforms the mesh"),
@@ -153,13 +134,14 @@ def test_the_mesh_is_as_blender_shows_it_without_us(harm):
 
 
 def test_healed_character_is_corrected_again(route, runtime):
-    ob, _ = character()
+    ob, rig = character()
     rest = volume(ob)
     add_turgor(ob)
-    ob.modifiers["Armature"].use_bone_envelopes = True
+    _deforming_parent(ob, rig)
     bpy.context.view_layer.update()
     _play()
-    ob.modifiers["Armature"].use_bone_envelopes = False
+    assert runtime.character(ob.session_uid).problem is not None
+    ob.parent_type = "OBJECT"
     bpy.context.view_layer.update()
     _play()
     assert runtime.character(ob.session_uid).problem is None

@@ -134,3 +134,170 @@ def test_bending_alone_keeps_the_volume_of_rest(runtime, use_dual_quaternions):
         _random_pose(armature, random, with_scale=False)
         _check(ob, runtime)
         assert relative_error(ob, rest) < VOLUME_TOLERANCE
+
+
+def _bendy_tube(segments: int = 6) -> tuple[bpy.types.Object, bpy.types.Object]:
+    armature = rig(bone_count=3)
+    for bone in armature.data.bones:
+        bone.bbone_segments = segments
+    return place("Tube", tube_mesh(rings=41), armature), armature
+
+
+def _add_key(ob: bpy.types.Object, axis: int, name: str = "Slide") -> None:
+    """A key that moves a ring amid the second bone along or across the tube."""
+    ob.shape_key_add(name="Basis")
+    key = ob.shape_key_add(name=name)
+    for point in key.data:
+        if 1.8 < point.co.z < 2.2:
+            point.co[axis] += 0.2 if axis == 2 else 0.2 * point.co[axis]
+    key.value = 0.0
+
+
+def _found(ob, runtime, name: str):
+    return next((found for found in runtime.character(ob.session_uid).findings if found.id == name), None)
+
+
+def test_keys_that_slide_skin_along_bendy_bones_are_refused_by_name(runtime):
+    ob, _ = _bendy_tube()
+    _add_key(ob, axis=2)
+    add_turgor(ob)
+    found = _found(ob, runtime, "moving_weights")
+    assert found is not None
+    assert found.severity == "ERROR"
+    assert "Shape key Slide" in found.text
+
+
+def test_keys_across_bendy_bones_keep_their_weights(runtime):
+    ob, armature = _bendy_tube()
+    _add_key(ob, axis=0)
+    add_turgor(ob)
+    ob.data.shape_keys.key_blocks["Slide"].value = 0.7
+    _random_pose(armature, np.random.default_rng(3))
+    _check(ob, runtime)
+
+
+def test_keys_through_an_envelope_are_refused(runtime):
+    ob, armature = _bendy_tube(segments=1)
+    _add_key(ob, axis=0)
+    bone = armature.data.bones["Bone1"]
+    bone.use_envelope_multiply, bone.envelope_distance = True, 1.0
+    bone.head_radius = bone.tail_radius = 0.2
+    add_turgor(ob)
+    assert _found(ob, runtime, "moving_weights") is not None
+
+
+def test_a_mesh_moved_along_its_bendy_bones_says_so_until_it_is_back(runtime, route):
+    ob, armature = _bendy_tube()
+    _random_pose(armature, np.random.default_rng(4))
+    add_turgor(ob)
+    _check(ob, runtime)
+    ob.location.z = 0.3
+    bpy.context.view_layer.update()
+    positions(ob)
+    assert "stands elsewhere" in runtime.character(ob.session_uid).problem
+    ob.location.z = 0.0
+    _check(ob, runtime)
+    # Both together move no weight, however far.
+    ob.location = armature.location = (70.0, -300.0, 4.0)
+    bpy.context.view_layer.update()
+    positions(ob)
+    assert runtime.character(ob.session_uid).problem is None
+
+
+def test_the_bend_of_a_bone_is_one_joint_of_its_own(runtime):
+    names = importlib.import_module("addon.properties.joint_names")
+    ob, armature = _bendy_tube()
+    armature.pose.bones["Bone1"].rotation_euler = (0.9, 1.4, 0.2)
+    armature.pose.bones["Bone2"].rotation_euler = (0.7, 0.9, 0.0)
+    add_turgor(ob)
+    bend = names.bend_of("Bone1")
+    assert {joint.name for joint in ob.turgor.joints} >= {"Bone1", bend}
+    bpy.context.view_layer.update()
+    whole = _frame_of(ob, runtime).report
+    figures = runtime.character(ob.session_uid).figures.joints
+    assert set(figures) == {joint.name for joint in ob.turgor.joints}
+    percent = 100.0 / runtime.character(ob.session_uid).binding.body.rest_volume
+    assert sum(joint.lost for joint in figures.values()) == pytest.approx(whole.joint_losses.sum() * percent, abs=1e-9)
+    # Its strength is that of all its segments, and of no other joint.
+    lost = figures[bend].lost
+    ob.turgor.joints[bend].mute = True
+    bpy.context.view_layer.update()
+    muted = _frame_of(ob, runtime).report
+    kept = (whole.target_volumes.sum() - muted.target_volumes.sum()) * percent
+    assert kept == pytest.approx(lost, abs=1e-9)
+
+
+def test_settings_of_a_bend_follow_its_renamed_bone_and_mirror(runtime):
+    names = importlib.import_module("addon.properties.joint_names")
+    ob, armature = _bendy_tube()
+    add_turgor(ob)
+    ob.turgor.joints[names.bend_of("Bone1")].strength = 0.25
+    ob.turgor.joints["Bone1"].strength = 0.5
+    armature.data.bones["Bone1"].name = "Upper.L"
+    bpy.context.view_layer.update()
+    positions(ob)
+    assert ob.turgor.joints[names.bend_of("Upper.L")].strength == 0.25
+    assert ob.turgor.joints["Upper.L"].strength == 0.5
+    armature.data.bones["Bone2"].name = "Upper.R"
+    bpy.context.view_layer.update()
+    positions(ob)
+    edits = importlib.import_module("addon.live.joint_edits")
+    ob.turgor.active_joint = ob.turgor.joints.find(names.bend_of("Upper.L"))
+    assert edits.mirror(ob) == (1, [])
+    assert ob.turgor.joints[names.bend_of("Upper.R")].strength == 0.25
+    assert ob.turgor.joints["Upper.R"].strength == 1.0
+
+
+def test_other_segments_are_bound_anew_and_settings_of_bends_come_back(runtime):
+    names = importlib.import_module("addon.properties.joint_names")
+    ob, armature = _bendy_tube()
+    _random_pose(armature, np.random.default_rng(5))
+    add_turgor(ob)
+    ob.turgor.joints[names.bend_of("Bone1")].size = 1.5
+    for segments in (1, 9):
+        for bone in armature.data.bones:
+            bone.bbone_segments = segments
+        _check(ob, runtime)
+    assert ob.turgor.joints[names.bend_of("Bone1")].size == 1.5
+
+
+def test_too_many_segments_are_refused_with_their_number(runtime, monkeypatch):
+    monkeypatch.setattr(importlib.import_module("addon.live.skin"), "MOST_ROWS", 20)
+    ob, _ = _bendy_tube(segments=9)
+    add_turgor(ob)
+    found = _found(ob, runtime, "too_many_bones")
+    assert found is not None
+    # 3 bones, 9 nodes more of each, and where the first two end.
+    assert "32 bones and segments" in found.text
+
+
+def test_an_armature_that_deforms_by_nothing_is_told(runtime):
+    ob, _ = _bendy_tube()
+    ob.modifiers["Armature"].use_vertex_groups = False
+    add_turgor(ob)
+    assert "Vertex Groups" in _found(ob, runtime, "no_deform_groups").text
+
+
+def test_ease_that_is_driven_moves_the_rest_of_curved_bones(runtime):
+    """As Rigify drives it: on the armature's data, by a property of the pose."""
+    armature = _bent_rest(3, np.random.default_rng(2))
+    ob = place("Tube", tube_mesh(rings=41), armature)
+    for bone in armature.data.bones:
+        bone.bbone_segments, bone.bbone_curveinx = 7, 0.3
+        driver = armature.data.driver_add(f'bones["{bone.name}"].bbone_easein').driver
+        driver.type = "SUM"
+        variable = driver.variables.new()
+        variable.targets[0].id, variable.targets[0].data_path = armature, '["rubber"]'
+    armature["rubber"] = 0.0
+    stack = importlib.import_module("addon.scene.stack")
+    bpy.context.view_layer.update()
+    add_turgor(ob)
+    assert len(runtime.character(ob.session_uid).binding.bones.bends.moving) == 3
+    for rubber in (0.0, 1.0, 2.0):
+        armature["rubber"] = rubber
+        armature.update_tag()
+        _random_pose(armature, np.random.default_rng(6))
+        bpy.context.view_layer.update()
+        # No bind comes of it.
+        assert runtime.character(ob.session_uid).signature == stack.signature(ob)
+        _check(ob, runtime)

@@ -36,13 +36,6 @@ def _settle(ob: bpy.types.Object, frame: int = FRAME) -> None:
     bpy.context.scene.frame_set(frame)
 
 
-def _envelopes(ob, rig):
-    ob.modifiers["Armature"].use_bone_envelopes = True
-
-
-def _multiplied_envelope(ob, rig):
-    for bone in rig.data.bones:
-        bone.use_envelope_multiply = True
 
 
 def _second_armature_after(ob, rig):
@@ -92,8 +85,6 @@ def _off_in_renders(ob, rig):
 
 
 HARMS: list[tuple[Callable, str, str]] = [
-    (_envelopes, "bone_envelopes", "ERROR"),
-    (_multiplied_envelope, "envelope_multiply", "ERROR"),
     (_second_armature_after, "second_armature", "ERROR"),
     (_simulated_before, "simulation", "ERROR"),
     (_built_before, "moving_modifier", "ERROR"),
@@ -331,13 +322,13 @@ def test_each_finding_is_logged_once(runtime, warnings_logged):
         group.remove([5])
     add_turgor(ob)
     for _ in range(3):
-        _envelopes(ob, rig)
+        ob.parent, ob.parent_type = rig, "ARMATURE"
         _settle(ob)
-        ob.modifiers["Armature"].use_bone_envelopes = False
+        ob.parent_type = "OBJECT"
         _settle(ob)
     lines = warnings_logged()
     assert len([line for line in lines if "no bone holds" in line]) == 1
-    assert len([line for line in lines if "envelopes" in line]) == 1
+    assert len([line for line in lines if "deforms the mesh" in line]) == 1
 
 
 def test_fixes_of_linked_data_are_refused_with_a_reason(runtime, tmp_path):

@@ -72,7 +72,6 @@ def test_skinning_agrees_with_blender(runtime, change, use_dual_quaternions):
 def _engine_frame(ob, runtime):
     frame = importlib.import_module("addon.scene.frame")
     bound = runtime.character(ob.session_uid).binding
-    inputs = frame.read_frame(ob.evaluated_get(bpy.context.evaluated_depsgraph_get()))
+    inputs = frame.read_frame(ob.evaluated_get(bpy.context.evaluated_depsgraph_get()), bound.bones)
     engine = bound.body.current_engine
-    pose_matrices = np.ascontiguousarray(inputs.pose_matrices[bound.bones.pose_indices])
-    return engine.deform(pose_matrices, object_from_armature=inputs.object_from_armature)
+    return engine.deform(inputs.pose_matrices, object_from_armature=inputs.object_from_armature)

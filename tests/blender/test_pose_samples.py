@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from measure import positions
-from tube import LAST_FRAME, add_turgor, character
+from tube import LAST_FRAME, add_turgor, character, skin_bones
 
 COLLECTION = bpy.types.Collection
 FRAMES = (1.0, 4.0, 7.5, 13.0, 12.25, float(LAST_FRAME), -3.0)
@@ -134,16 +134,17 @@ CASES = (
 def test_samples_are_the_frames_of_the_scene(pose_samples, frame, prepare, is_live):
     ob, rig = character()
     prepare(ob, rig)
-    if is_live and prepare is not _bendy:  # a bendy bone is an obstacle
+    if is_live:
         add_turgor(ob)
+    bones = skin_bones(ob)
     ob.hide_viewport = True
-    samples = pose_samples.sample_poses(ob, FRAMES)
+    samples = pose_samples.sample_poses(ob, FRAMES, bones)
     ob.hide_viewport = False
     depsgraph = bpy.context.evaluated_depsgraph_get()
     assert samples.frames.tolist() == list(FRAMES)
     for index, number in enumerate(FRAMES):
         bpy.context.scene.frame_set(int(np.floor(number)), subframe=number % 1.0)
-        for sampled, shown in zip(samples[1:], frame.read_frame(ob.evaluated_get(depsgraph)), strict=True):
+        for sampled, shown in zip(samples[1:], frame.read_frame(ob.evaluated_get(depsgraph), bones), strict=True):
             assert sampled[index].shape == shown.shape
             assert (sampled[index] == shown).all()
     if prepare is not _unkeyed:
@@ -153,9 +154,9 @@ def test_samples_are_the_frames_of_the_scene(pose_samples, frame, prepare, is_li
 def test_retimed_scenes_agree(pose_samples, frame):
     ob, _ = character()
     bpy.context.scene.render.frame_map_old, bpy.context.scene.render.frame_map_new = 100, 50
-    samples = pose_samples.sample_poses(ob, [9.0])
+    samples = pose_samples.sample_poses(ob, [9.0], skin_bones(ob))
     bpy.context.scene.frame_set(9)
-    shown = frame.read_frame(ob.evaluated_get(bpy.context.evaluated_depsgraph_get()))
+    shown = frame.read_frame(ob.evaluated_get(bpy.context.evaluated_depsgraph_get()), skin_bones(ob))
     assert (samples.pose_matrices[0] == shown.pose_matrices).all()
 
 
@@ -181,8 +182,9 @@ def test_nothing_of_the_artist_changes(pose_samples, route):
         )
     )
     handlers = {event: list(getattr(bpy.app.handlers, event)) for event in pose_samples.EVENTS}
+    bones = skin_bones(ob)
     before = _state(ob, rig)
-    pose_samples.sample_poses(ob, FRAMES)
+    pose_samples.sample_poses(ob, FRAMES, bones)
     assert _state(ob, rig) == before
     assert not calls
     assert {event: list(getattr(bpy.app.handlers, event)) for event in pose_samples.EVENTS} == handlers
@@ -207,7 +209,8 @@ def test_meshes_and_corrections_are_not_evaluated(pose_samples, monkeypatch):
     ticks: list[object] = []
     carrier = importlib.import_module("addon.properties.carrier")
     monkeypatch.setattr(carrier.TurgorCarrier, "on_tick", staticmethod(ticks.append))
-    pose_samples.sample_poses(ob, FRAMES)
+    bones = skin_bones(ob)
+    pose_samples.sample_poses(ob, FRAMES, bones)
     assert not ticks
 
 
@@ -228,6 +231,7 @@ def test_an_interruption_leaves_nothing_behind(pose_samples, frame):
     next(samples)
     samples.close()
     assert _state(ob, rig) == before
+    bones = skin_bones(ob)
     ob.modifiers.clear()
     with pytest.raises(frame.FrameError, match="No Armature modifier"):
-        pose_samples.sample_poses(ob, FRAMES)
+        pose_samples.sample_poses(ob, FRAMES, bones)

@@ -7,7 +7,7 @@ import importlib
 import bpy
 import numpy as np
 import pytest
-from tube import LAST_FRAME, add_turgor, character
+from tube import LAST_FRAME, add_turgor, character, skin_bones
 
 FRAMES = (1.0, 7.5, float(LAST_FRAME))
 
@@ -73,7 +73,7 @@ def test_what_would_be_sampled_wrong_is_refused_and_told(package, prepare):
     job, options = importlib.import_module("addon.bake.job"), importlib.import_module("addon.bake.options")
     check = importlib.import_module("addon.commands.check")
     with pytest.raises(ValueError, match=r"reads .* of the scene by its name.*Context Property"):
-        pose_samples.sample_poses(ob, FRAMES)
+        pose_samples.sample_poses(ob, FRAMES, skin_bones(ob))
     with pytest.raises(options.BakeError, match="Active Scene"):
         job.Job(ob, options.Options("ABSOLUTE", np.array(FRAMES)))
     found = check.run(_arguments(check))
@@ -114,8 +114,8 @@ def test_all_else_is_sampled_as_the_scene_shows_it(package, prepare):
     prepare(ob, rig)
     add_turgor(ob)
     pose_samples, frame = (importlib.import_module(f"addon.scene.{name}") for name in ("pose_samples", "frame"))
-    samples = pose_samples.sample_poses(ob, FRAMES)
+    samples = pose_samples.sample_poses(ob, FRAMES, skin_bones(ob))
     for sampled, number in zip(samples.pose_matrices, FRAMES, strict=True):
         bpy.context.scene.frame_set(int(number), subframe=number % 1.0)
-        shown = frame.read_frame(ob.evaluated_get(bpy.context.evaluated_depsgraph_get())).pose_matrices
+        shown = frame.read_frame(ob.evaluated_get(bpy.context.evaluated_depsgraph_get()), skin_bones(ob)).pose_matrices
         assert np.array_equal(sampled, shown)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Iterable
 
 import bpy
@@ -129,6 +130,16 @@ def play_as_strip(ob: bpy.types.Object) -> None:
 
 def volume_modifier(ob: bpy.types.Object) -> bpy.types.NodesModifier:
     return next(modifier for modifier in ob.modifiers if modifier.name.startswith("Turgor Volume"))
+
+
+def skin_bones(ob: bpy.types.Object) -> tuple:
+    """The bones and nodes by which its Armature skins it, as a bind reads them."""
+    rest, skin = (importlib.import_module(f"addon.{name}") for name in ("scene.rest", "live.skin"))
+    armature = next(modifier for modifier in ob.modifiers if modifier.type == "ARMATURE")
+    read = rest.read_rest(ob, armature, bpy.context.scene.frame_current)
+    return skin.read_skin(
+        read, [group.name for group in ob.vertex_groups], armature, np.eye(4), bpy.context.scene.frame_current
+    ).bones
 
 
 def set_strength(ob: bpy.types.Object, value: float) -> None:

@@ -28,7 +28,7 @@ def rig_of(*, parents: list[int], root_holds: str) -> Rig:
     root[of_beside] = 1.0 if root_holds == "a shell" else np.exp(-(((x[of_beside] - 2.0) / 0.8) ** 2))
     weights = np.stack([root, up * (1.0 - root), (1.0 - up) * (1.0 - root)], axis=1)
     bones = np.tile(np.array([ROOT, UP, DOWN], dtype=np.int32), (len(x), 1))
-    surface = limb.joined(beside.moved(beside.positions + [0.0, 3.0, 0.0]))
+    surface = limb.joined(beside.moved(beside.positions + np.array([0.0, 3.0, 0.0])))
     heads = [[-1.0, 0.0, 0.0], [1.0, 0.5, 0.0], [2.0, 0.0, 0.0], [2.0, 0.1, 0.0]]
     rest = np.array([translation(head) @ ALONG_X for head in heads])
     return Rig(surface, np.array(parents, dtype=np.int32), rest, bones, weights)
