@@ -110,7 +110,7 @@ def _write(settings: Settings) -> None:
     scene, path = bpy.context.scene, str(settings.path)
     if settings.path.is_dir():
         raise BakeError(message("{file} is a folder: choose another name", file=settings.path.name))
-    before = _written_at(settings.path)
+    before = _written(settings.path)
     try:
         if settings.format == "GLTF":
             bpy.ops.export_scene.gltf(
@@ -164,13 +164,16 @@ def _write(settings: Settings) -> None:
             message("{file} was not written: {reason}", file=settings.path.name, reason=_reason(error))
         ) from error
     # Some exporters only log what went wrong.
-    if _written_at(settings.path) == before:
+    if _written(settings.path) == before:
         raise BakeError(message("{file} was not written: look at the console for the reason", file=settings.path.name))
 
 
-def _written_at(path: Path) -> int:
-    """Nanoseconds of when a file was last written, 0 where there is none."""
-    return path.stat().st_mtime_ns if path.is_file() else 0
+def _written(path: Path) -> dict[str, int]:
+    """When files of this name were last written, in nanoseconds; exporters choose the ending by themselves."""
+    if not path.parent.is_dir():
+        return {}
+    files = [each for each in path.parent.iterdir() if each.stem == path.stem and each.is_file()]
+    return {each.name: each.stat().st_mtime_ns for each in files}
 
 
 def _reason(error: RuntimeError) -> str:

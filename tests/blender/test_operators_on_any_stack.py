@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import bmesh
 import bpy
@@ -38,8 +38,8 @@ def _give(ob: bpy.types.Object, kind: str, place: str) -> None:
         ob.modifiers.move(len(ob.modifiers) - 1, 0)
 
 
-def _attempt(what: Callable[..., set[str]], **settings: object) -> tuple[bool, str]:
-    """Whether it was done, and what was told; a refusal is an error of Blender's, a fault has a traceback."""
+def _attempt(what: Any, **settings: object) -> tuple[bool, str]:
+    """Whether an operator did it, and what was told: a refusal is an error of Blender, a fault has a traceback."""
     if not what.poll():
         return False, ""
     try:
