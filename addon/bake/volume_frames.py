@@ -182,10 +182,10 @@ class VolumeFrames:
         Safe on a worker thread.
         """
         done = 0
-        for (_, is_fleshed), group in groupby(samples, key=_kind):
+        for _, group in groupby(samples, key=_kind):
             of_group = list(group)
             rows = slice(done, done + len(of_group))
-            (_one_by_one if is_fleshed else _many)(of_group, positions[rows], folds[rows])
+            _many(of_group, positions[rows], folds[rows])
             done += len(of_group)
 
 
@@ -207,21 +207,20 @@ def _kind(sample: Sample) -> tuple[int, bool]:
 
 def _many(samples: Sequence[Sample], positions: NDArray[np.float32], folds: NDArray[np.int32]) -> None:
     options = [sample.request.options for sample in samples]
-    shapes = [part["shape_values"] for part in options if "shape_values" in part]
+
+    def stacked(name: str) -> NDArray[np.float32] | None:
+        return np.stack([part[name] for part in options]) if name in options[0] else None
+
     samples[0].request.engine.deform_many(
         np.stack([sample.request.pose_matrices for sample in samples]),
         object_from_armature=np.stack([part["object_from_armature"] for part in options]),
-        shape_values=np.stack(shapes) if shapes else None,
+        shape_values=stacked("shape_values"),
+        rest_positions=stacked("rest_positions"),
         target_scale=[part["target_scale"] for part in options],
+        added_offsets=stacked("added_offsets"),
+        fleshed=options[0].get("fleshed"),
         effect=[sample.effect for sample in samples],
         repair_folds="repair_folds" in options[0],
         fold_counts=folds,
         positions=positions,
     )
-
-
-def _one_by_one(samples: Sequence[Sample], positions: NDArray[np.float32], folds: NDArray[np.int32]) -> None:
-    for sample, row, counts in zip(samples, positions, folds, strict=True):
-        found = sample.request.engine.deform(sample.request.pose_matrices, **sample.request.options)
-        counts[:] = found.report.folds_found, found.report.folds_left, len(found.report.blocked_vertices)
-        row[:] = found.skinned + sample.effect * found.offsets.astype(np.float64)

@@ -76,7 +76,7 @@ def _motion(bound: VolumeBinding, samples: Iterable[Sample], frames: NDArray[np.
         matrices = np.stack([sample.object_from_armature for sample in batch])
         scales = np.array([sample.target_scale for sample in batch])
         first = batch[0]
-        measures = _one(batch[0], bound) if first.added_offsets is not None else _many(batch, matrices, scales)
+        measures = _measures(batch, bound)
         found.append(figures.motion_figures(measures, bound.body.rest_volume, first.strengths, scales))
         folds.append(figures.fold_losses(measures.joint_losses, first.engine.joint_lengths, matrices))
     corrected, skinned, lost, targets = (np.concatenate(parts) for parts in zip(*found, strict=True))
@@ -86,24 +86,14 @@ def _motion(bound: VolumeBinding, samples: Iterable[Sample], frames: NDArray[np.
     return Motion(frames, corrected, skinned, targets, names, figures.summed(lost, parts), peak_folds)
 
 
-def _many(batch: Sequence[Sample], matrices: NDArray[np.float64], scales: NDArray[np.float64]) -> turgor.Measures:
-    return batch[0].engine.measure(
+def _measures(batch: Sequence[Sample], bound: VolumeBinding) -> turgor.Measures:
+    first = batch[0]
+    return first.engine.measure(
         np.stack([sample.pose_matrices for sample in batch]),
-        object_from_armature=matrices,
-        shape_values=np.stack([sample.shape_values for sample in batch]) if len(batch[0].shape_values) else None,
-        target_scale=scales,
-    )
-
-
-def _one(sample: Sample, bound: VolumeBinding) -> turgor.Report:
-    offsets = np.empty((bound.body.vertex_count, 3), np.float32)
-    return sample.engine.deform_into(
-        offsets,
-        sample.pose_matrices,
-        object_from_armature=sample.object_from_armature,
-        shape_values=sample.shape_values if len(sample.shape_values) else None,
-        target_scale=sample.target_scale,
-        added_offsets=sample.added_offsets,
-        fleshed=bound.fleshed,
-        **({} if sample.rest_positions is None else {"rest_positions": sample.rest_positions}),
+        object_from_armature=np.stack([sample.object_from_armature for sample in batch]),
+        shape_values=sampling.stacked([sample.shape_values for sample in batch]) if len(first.shape_values) else None,
+        rest_positions=sampling.stacked([sample.rest_positions for sample in batch]),
+        target_scale=np.array([sample.target_scale for sample in batch]),
+        added_offsets=sampling.stacked([sample.added_offsets for sample in batch]),
+        fleshed=None if first.added_offsets is None else bound.fleshed,
     )

@@ -261,11 +261,11 @@ def _of_batch(batch: Sequence[Sample], bound: VolumeBinding) -> turgor.Refinemen
     return first.engine.refinement_need(
         np.stack([sample.pose_matrices for sample in batch]),
         object_from_armature=np.stack([sample.object_from_armature for sample in batch]),
-        shape_values=np.stack([sample.shape_values for sample in batch]) if len(first.shape_values) else None,
+        shape_values=sampling.stacked([sample.shape_values for sample in batch]) if len(first.shape_values) else None,
+        rest_positions=sampling.stacked([sample.rest_positions for sample in batch]),
         target_scale=np.array([sample.target_scale for sample in batch]),
-        added_offsets=first.added_offsets,
+        added_offsets=sampling.stacked([sample.added_offsets for sample in batch]),
         fleshed=None if first.added_offsets is None else bound.fleshed,
-        **({} if first.rest_positions is None else {"rest_positions": first.rest_positions}),
     )
 
 

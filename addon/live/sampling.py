@@ -26,6 +26,7 @@ QUICK_VERTEX_POSES = 2e7
 QUICK_POSES = 120
 # Poses that the engine gets at once, spread over all processors.
 BATCH = 64
+BATCH_BYTES = 1 << 26
 # Entries of pose matrices that differ by less, in units of the rig's own entries, do not move.
 STILL = 1e-5
 
@@ -107,16 +108,23 @@ def turned(target: bpy.types.Object, bound: VolumeBinding) -> Iterator[Sample]:
 
 
 def batches(poses: Iterable[Sample]) -> Iterator[list[Sample]]:
-    """Lists of neighbouring samples under the same settings; of one sample where something adds to the skin."""
-    for _, alike in groupby(poses, lambda sample: id(sample.engine)):
+    """Lists of neighbouring samples under the same settings; of fewer where each has positions of its own."""
+    for _, alike in groupby(poses, lambda sample: (id(sample.engine), sample.added_offsets is None)):
         batch: list[Sample] = []
         for sample in alike:
             batch.append(sample)
-            if len(batch) == BATCH or sample.added_offsets is not None:
+            own_bytes = 0 if sample.added_offsets is None else 2 * sample.added_offsets.nbytes
+            if len(batch) == BATCH or len(batch) * own_bytes > BATCH_BYTES:
                 yield batch
                 batch = []
         if batch:
             yield batch
+
+
+def stacked(arrays: Sequence[NDArray[np.float32] | None]) -> NDArray[np.float32] | None:
+    """(F, ...) of samples of one batch; None where they have none."""
+    given = [array for array in arrays if array is not None]
+    return np.stack(given) if len(given) == len(arrays) else None
 
 
 class Watched:

@@ -243,6 +243,10 @@ NOT_SETTINGS = frozenset(
 )
 
 
+# Of Data Transfer: Blender evaluates the source for the names of their choices, which must not happen amid a frame.
+EVALUATING_SETTINGS = "layers_"
+
+
 def signature(ob: bpy.types.Object) -> tuple[object, ...]:
     """Bones at rest, and settings up to the Armature: while equal, they make the same of an unchanged mesh.
 
@@ -291,6 +295,8 @@ def settings_of(modifier: bpy.types.Modifier, but: frozenset[str] = frozenset())
     found: list[object] = [modifier.name]
     for prop in modifier.bl_rna.properties:
         if prop.identifier in NOT_SETTINGS or prop.identifier in but or prop.type == "COLLECTION":
+            continue
+        if prop.identifier.startswith(EVALUATING_SETTINGS):
             continue
         value = getattr(modifier, prop.identifier)
         if isinstance(value, bpy.types.ID):

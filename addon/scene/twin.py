@@ -200,6 +200,8 @@ def _write(source: bpy.types.Modifier, copy: bpy.types.Modifier) -> None:
     for prop in source.bl_rna.properties:
         if prop.is_readonly or prop.type == "COLLECTION" or prop.identifier in stack.NOT_SETTINGS:
             continue
+        if prop.identifier.startswith(stack.EVALUATING_SETTINGS):
+            continue
         value = getattr(source, prop.identifier)
         if getattr(prop, "is_array", False):
             value = tuple(value)

@@ -633,23 +633,14 @@ TEXTS: dict[str, str] = {
     "Bones were removed from the armature: leave its edit mode, or press Rebind": (
         "Der Armatur wurden Knochen entfernt: ihren Bearbeitungsmodus verlassen, oder Neu binden drücken"
     ),
-    "No Armature modifier right before Turgor Volume: move Turgor Volume directly below it": (
-        "Kein Armatur-Modifikator direkt vor Turgor Volume: Turgor Volume direkt darunter verschieben"
-    ),
     "No Armature modifier: Turgor Spine alone keeps the volume by itself, turn on its Exact Volume": (
         "Kein Armatur-Modifikator: Turgor Spine allein erhält das Volumen selbst, sein Genaues Volumen einschalten"
-    ),
-    "No Armature modifier: give the mesh one (Object > Parent > Armature Deform)": (
-        "Kein Armatur-Modifikator: dem Netz einen geben (Objekt > Eltern > Armatur-Verformung)"
     ),
     "Shape keys are absolute: make them Relative in the mesh's properties": (
         "Formschlüssel sind absolut: in den Eigenschaften des Netzes auf Relativ stellen"
     ),
     "{modifier} uses Multi Modifier, which blends two armatures: turn it off": (
         "{modifier} benutzt Multi-Modifikator und mischt zwei Armaturen: ausschalten"
-    ),
-    "{modifier} deforms again after Turgor Volume: only one Armature is supported, turn one off": (
-        "{modifier} verformt nach Turgor Volume noch einmal: Nur eine Armatur geht, eine ausschalten"
     ),
     "{modifier} is on in the viewport or in renders only: renders show {shown}": (
         "{modifier} ist nur in der Ansicht oder nur in Renderings an: Renderings zeigen {shown}"
@@ -665,18 +656,6 @@ TEXTS: dict[str, str] = {
     "Modifier {modifier} has no armature object: choose one": "Modifikator {modifier} hat keine Armatur: eine wählen",
     "{modifier} has animated settings: remove their keyframes and drivers": (
         "{modifier} hat animierte Einstellungen: ihre Keyframes und Treiber entfernen"
-    ),
-    "{modifier} deforms before {armature}: only one Armature is supported, turn one off": (
-        "{modifier} verformt vor {armature}: Nur eine Armatur geht, eine ausschalten"
-    ),
-    "{modifier} can move the mesh before the Armature: move it after Turgor Volume": (
-        "{modifier} kann das Netz vor der Armatur bewegen: hinter Turgor Volume verschieben"
-    ),
-    "{modifier} is animated before the Armature: move it after Turgor Volume": (
-        "{modifier} ist vor der Armatur animiert: hinter Turgor Volume verschieben"
-    ),
-    "{modifier} changes shape keys before the Armature: apply it, or move it after Turgor Volume": (
-        "{modifier} ändert Formschlüssel vor der Armatur: anwenden oder hinter Turgor Volume verschieben"
     ),
     "{modifier} asks whether it is in the viewport: renders show {shown}": (
         "{modifier} fragt, ob es in der Ansicht ist: Renderings zeigen {shown}"
@@ -725,16 +704,9 @@ TEXTS: dict[str, str] = {
         "Netz, Gewichte und Armatur neu lesen; Einstellungen bleiben"
     ),
     "Move below Armature": "Unter die Armatur",
-    "Move Turgor Volume directly below the Armature modifier": (
-        "Turgor Volume direkt unter den Armatur-Modifikator verschieben"
-    ),
     "Move below Turgor": "Unter Turgor",
     "Move this modifier below, where it changes what Turgor made": (
         "Diesen Modifikator darunter verschieben, wo er ändert, was Turgor gemacht hat"
-    ),
-    "Turn Modifier Off": "Modifikator ausschalten",
-    "Turn this modifier off in the viewport and in renders": (
-        "Diesen Modifikator in der Ansicht und in Renderings ausschalten"
     ),
     "Show in Viewport": "In der Ansicht zeigen",
     "Turn the modifier on in the viewport": "Den Modifikator in der Ansicht einschalten",
@@ -1034,5 +1006,86 @@ TEXTS: dict[str, str] = {
     ),
     "Two faces have the same vertices: merge vertices by distance, or delete one": (
         "Zwei Flächen haben dieselben Punkte: Punkte nach Abstand verschmelzen oder eine löschen"
+    ),
+    # Any stack
+    "Move Turgor Volume directly below the last Armature modifier": (
+        "Turgor Volume direkt unter den letzten Armatur-Modifikator verschieben"
+    ),
+    "Move Turgor above It": "Turgor darüber verschieben",
+    "Move Turgor Volume directly above this modifier": "Turgor Volume direkt über diesen Modifikator verschieben",
+    "Plain Parent": "Einfaches Elternobjekt",
+    "Let the parent move the object without deforming its mesh": (
+        "Das Elternobjekt das Objekt bewegen lassen, ohne sein Netz zu verformen"
+    ),
+    "No Armature modifier before Turgor Volume: move Turgor Volume directly below it": (
+        "Kein Armatur-Modifikator vor Turgor Volume: Turgor Volume direkt darunter verschieben"
+    ),
+    "Nothing poses the mesh: give it an Armature (Object > Parent > Armature Deform) or another deforming modifier": (
+        "Nichts verformt das Netz: ihm eine Armatur geben (Objekt > Eltern > Armatur-Verformung) oder einen"
+        " anderen verformenden Modifikator"
+    ),
+    "The parent {parent} deforms the mesh before all modifiers: make it a plain parent, and let a modifier deform": (
+        "Das Elternobjekt {parent} verformt das Netz vor allen Modifikatoren: zum einfachen Elternobjekt machen"
+        " und einen Modifikator verformen lassen"
+    ),
+    "{modifier} simulates, and what stands before Turgor Volume has to be the same however a frame is reached:"
+    " move it after Turgor Volume": (
+        "{modifier} simuliert, und was vor Turgor Volume steht, muss gleich sein, wie auch immer ein Bild"
+        " erreicht wird: hinter Turgor Volume verschieben"
+    ),
+    "{modifier} makes other vertices from frame to frame: move it after Turgor Volume": (
+        "{modifier} macht von Bild zu Bild andere Vertices: hinter Turgor Volume verschieben"
+    ),
+    "{modifier} deforms again after Turgor Volume: move Turgor Volume below it": (
+        "{modifier} verformt nach Turgor Volume noch einmal: Turgor Volume darunter verschieben"
+    ),
+    "{modifier} makes other vertices or faces after what the body is: move Turgor Volume above it": (
+        "{modifier} macht andere Vertices oder Flächen, als der Körper hat: Turgor Volume darüber verschieben"
+    ),
+    "The character is linked and its stack is read as Blender evaluates it: open its file with this version and"
+    " save it, or make a library override": (
+        "Die Figur ist verlinkt, und ihr Stapel wird gelesen, wie Blender ihn auswertet: ihre Datei mit dieser"
+        " Version öffnen und speichern oder eine Bibliotheksüberschreibung anlegen"
+    ),
+    "On this frame the stack makes {found:,} vertices or other faces, {bound:,} vertices were bound: press Rebind": (
+        "In diesem Bild macht der Stapel {found:,} Vertices oder andere Flächen, {bound:,} Vertices wurden"
+        " gebunden: Neu binden drücken"
+    ),
+    "{modifier} makes other vertices or faces on this frame ({found:,} vertices, {bound:,} were bound): apply"
+    " it, or move it after Turgor Volume": (
+        "{modifier} macht in diesem Bild andere Vertices oder Flächen ({found:,} Vertices, {bound:,} wurden"
+        " gebunden): anwenden oder hinter Turgor Volume verschieben"
+    ),
+    "The carrier of the character is gone: press Rebind": "Der Träger der Figur fehlt: Neu binden drücken",
+    "What Blender evaluates for the character is not there yet: press Rebind": (
+        "Was Blender für die Figur auswertet, ist noch nicht da: Neu binden drücken"
+    ),
+    "Read as Blender evaluates it, which takes longer: {reason}": (
+        "Gelesen, wie Blender es auswertet, was länger dauert: {reason}"
+    ),
+    "Read as Blender evaluates it, which takes longer: {reason}; and {count} more reasons": (
+        "Gelesen, wie Blender es auswertet, was länger dauert: {reason}; und {count} weitere Gründe"
+    ),
+    "{modifier} poses it without an Armature": "{modifier} verformt es ohne Armatur",
+    "{modifier} moves it after the Armature": "{modifier} bewegt es nach der Armatur",
+    "{modifier} uses Multi Modifier": "{modifier} benutzt Multi-Modifikator",
+    "{modifier} has animated settings": "{modifier} hat animierte Einstellungen",
+    "{modifier} may move the mesh before it is posed": "{modifier} kann das Netz bewegen, bevor es verformt wird",
+    "{modifier} is animated before it is posed": "{modifier} ist animiert, bevor es verformt wird",
+    "{modifier} changes shape keys before it is posed": "{modifier} ändert Formschlüssel, bevor es verformt wird",
+    "{modifier} follows {other}, which may move": "{modifier} folgt {other}, das sich bewegen kann",
+    "{mesh} is animated itself": "{mesh} ist selbst animiert",
+    "its shape keys are absolute": "seine Formschlüssel sind absolut",
+    "points of its shape keys are animated": "Punkte seiner Formschlüssel sind animiert",
+    "a driver of its shape keys calls {function}, which may rewrite them": (
+        "ein Treiber seiner Formschlüssel ruft {function} auf und schreibt sie vielleicht neu"
+    ),
+    "{handler} is called on every frame and may rewrite its shape keys": (
+        "{handler} wird in jedem Bild aufgerufen und schreibt seine Formschlüssel vielleicht neu"
+    ),
+    "Corrective keys cannot follow a stack that is read as Blender evaluates it ({reason}): choose absolute"
+    " keys or a point cache, or export USD or Alembic": (
+        "Korrekturschlüssel können einem Stapel nicht folgen, der gelesen wird, wie Blender ihn auswertet"
+        " ({reason}): absolute Schlüssel oder einen Punktcache wählen oder USD oder Alembic exportieren"
     ),
 }
