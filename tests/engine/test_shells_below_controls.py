@@ -1,4 +1,4 @@
-"""What moves a shell as a whole means nothing about its shape, whatever moves it and wherever else its bones hold skin."""
+"""What moves a shell as a whole means nothing about its shape, wherever else its bones hold skin."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def rig_of(*, parents: list[int], root_holds: str) -> Rig:
     root[of_beside] = 1.0 if root_holds == "a shell" else np.exp(-(((x[of_beside] - 2.0) / 0.8) ** 2))
     weights = np.stack([root, up * (1.0 - root), (1.0 - up) * (1.0 - root)], axis=1)
     bones = np.tile(np.array([ROOT, UP, DOWN], dtype=np.int32), (len(x), 1))
-    surface = limb.joined(beside.moved(beside.positions + [0.0, 3.0, 0.0]))
+    surface = limb.joined(beside.moved(beside.positions + np.array([0.0, 3.0, 0.0])))
     heads = [[-1.0, 0.0, 0.0], [1.0, 0.5, 0.0], [2.0, 0.0, 0.0], [2.0, 0.1, 0.0]]
     rest = np.array([translation(head) @ ALONG_X for head in heads])
     return Rig(surface, np.array(parents, dtype=np.int32), rest, bones, weights)
@@ -100,10 +100,9 @@ def test_a_scale_is_meant_once(seed: int, mode: Mode, rig: Rig, scale: float):
     assert report.target_volumes[0] == pytest.approx(scale**3 * rest, rel=1e-6)
 
 
-@given(seeds, modes)
-def test_a_bone_that_is_pulled_out_of_its_parent_is_meant_to_be(seed: int, mode: Mode):
-    """The limb beside shares skin with the root: there a shift is a stretch, as far as it goes."""
-    rng = np.random.default_rng(seed)
+@pytest.mark.parametrize("mode", ["linear", "dual_quaternion"])
+def test_a_bone_that_is_pulled_out_of_its_parent_is_meant_to_be(mode: Mode):
+    """Between bones of one shell a shift is a stretch, as far as it goes."""
     rig = rig_of(parents=BELOW_CONTROL, root_holds="skin of the same bones")
     pulled = np.array([np.eye(4), np.eye(4), translation([0.3, 0.0, 0.0]), np.eye(4)])
     report = rig.body(mode).deform(pulled).report
