@@ -1,4 +1,4 @@
-"""What moves a shell as a whole means nothing about its shape, whatever moves it and wherever else its bones hold skin."""
+"""What moves a shell as a whole means nothing about its shape, wherever else its bones hold skin."""
 
 from __future__ import annotations
 
@@ -100,10 +100,9 @@ def test_a_scale_is_meant_once(seed: int, mode: Mode, rig: Rig, scale: float):
     assert report.target_volumes[0] == pytest.approx(scale**3 * rest, rel=1e-6)
 
 
-@given(seeds, modes)
-def test_a_bone_that_is_pulled_out_of_its_parent_is_meant_to_be(seed: int, mode: Mode):
-    """The limb beside shares skin with the root: there a shift is a stretch, as far as it goes."""
-    rng = np.random.default_rng(seed)
+@pytest.mark.parametrize("mode", ["linear", "dual_quaternion"])
+def test_a_bone_that_is_pulled_out_of_its_parent_is_meant_to_be(mode: Mode):
+    """Between bones of one shell a shift is a stretch, as far as it goes."""
     rig = rig_of(parents=BELOW_CONTROL, root_holds="skin of the same bones")
     pulled = np.array([np.eye(4), np.eye(4), translation([0.3, 0.0, 0.0]), np.eye(4)])
     report = rig.body(mode).deform(pulled).report

@@ -234,6 +234,13 @@ impl Palette {
         self.linear[index] = columns(&whole);
     }
 
+    /// Puts the rotation of a motion on the side of another's: the same motion.
+    pub fn align(&mut self, index: usize, reference: usize) {
+        if self.mode == Mode::DualQuaternion {
+            self.dual[index] = self.dual[index].aligned_with(&self.dual[reference]);
+        }
+    }
+
     /// Rest position to (armature space − origin) of a point that follows one motion alone.
     #[inline(always)]
     pub fn alone(&self, index: usize) -> &Columns {

@@ -12,6 +12,8 @@ use crate::skinning::joint_tree::JointTree;
 const SHARE_MIN: f64 = 0.02;
 /// A joint that is less than this part as far, squared, from another bone as from what it hangs on begins to go with it.
 const LIKENESS: f64 = 0.25;
+/// Where those between that keep what is theirs are less than this part of all between, a joint begins to keep its loss.
+const TAKERS_MIN: f64 = 0.1;
 
 /// How much skin, its centre, and its second moments about it.
 #[derive(Debug, Clone, Default)]
@@ -79,8 +81,11 @@ impl HungJoint {
             let path = tree.chain(onto).chain(tree.chain(other)).filter(|&j| j != top && tree.chain(top).all(|above| above != j));
             result.push(Like::Joint(other as u16), amount / whole, path);
         }
-        result.push(Like::Above(above), 1.0, tree.chain(onto));
-        Some(result)
+        // Not further down: a foot that is planted stands still too, and its ankle loses all the same.
+        if tree.parent(onto).is_none() {
+            result.push(Like::Above(above), 1.0, std::iter::once(onto));
+        }
+        (!result.others.is_empty()).then_some(result)
     }
 
     fn push(&mut self, like: Like, share: f64, path: impl Iterator<Item = usize>) {
@@ -96,13 +101,12 @@ impl HungJoint {
         }
     }
 
-    /// Part of its loss that the joint keeps, and in `parts` what of the rest each joint between is given, up to a factor.
-    /// Continuous in the pose: where a part is not, there is nothing to share out.
-    pub(super) fn kept(&self, tree: &JointTree, channels: &[DAffine3], pose: &[DAffine3], parts: &mut [f64]) -> f64 {
+    /// Part of its loss that is the joint's own, and in `parts` what else its loss may be of, up to a factor.
+    fn own_part(&self, tree: &JointTree, channels: &[DAffine3], pose: &[DAffine3], parts: &mut [f64]) -> f64 {
         let own = &channels[usize::from(self.joint)];
         let from_onto = self.blend.apart(own, &channels[usize::from(tree.parents[usize::from(self.joint)])]);
         parts.fill(0.0);
-        let mut kept = 1.0;
+        let mut whole = 1.0;
         for other in &self.others {
             let like = match other.like {
                 Like::Joint(joint) => &channels[usize::from(joint)],
@@ -113,8 +117,8 @@ impl HungJoint {
             if likeness.is_nan() || likeness >= 1.0 {
                 continue;
             }
-            let own_part = likeness * likeness * (3.0 - 2.0 * likeness);
-            kept *= own_part;
+            let own_part = eased(likeness);
+            whole *= own_part;
             for &place in &other.path {
                 let joint = usize::from(self.between[place]);
                 let above = match (tree.parent(joint), other.like) {
@@ -124,6 +128,48 @@ impl HungJoint {
                 parts[place] += (1.0 - own_part) * other.share * self.blend.apart(&channels[joint], above);
             }
         }
-        kept
+        whole
     }
+}
+
+/// What each hung joint hands on in one frame.
+#[derive(Debug, Clone)]
+pub(crate) struct HandedOn {
+    /// Part of its loss that each keeps.
+    pub kept: Vec<f64>,
+    /// What of the rest those between are given, up to a factor.
+    pub parts: Vec<Vec<f64>>,
+    own: Vec<f64>,
+}
+
+impl HandedOn {
+    pub fn new(hung: &[HungJoint]) -> Self {
+        let parts = hung.iter().map(|hung| vec![0.0; hung.between.len()]).collect();
+        Self { kept: vec![1.0; hung.len()], parts, own: vec![1.0; hung.len()] }
+    }
+
+    /// Continuous in the pose. Nobody is given what is not its own either: the order of joints means nothing.
+    pub(super) fn set(&mut self, tree: &JointTree, channels: &[DAffine3], pose: &[DAffine3]) {
+        for ((hung, own), parts) in tree.hung.iter().zip(&mut self.own).zip(&mut self.parts) {
+            *own = hung.own_part(tree, channels, pose, parts);
+        }
+        for (index, (hung, parts)) in tree.hung.iter().zip(&mut self.parts).enumerate() {
+            self.kept[index] = 1.0;
+            let all: f64 = parts.iter().sum();
+            if self.own[index] == 1.0 || all == 0.0 {
+                continue;
+            }
+            for (part, joint) in parts.iter_mut().zip(&hung.between) {
+                let taker = tree.hung.binary_search_by_key(joint, |other| other.joint);
+                *part *= taker.map_or(1.0, |taker| self.own[taker]) / all;
+            }
+            let takers = eased((parts.iter().sum::<f64>() / TAKERS_MIN).min(1.0));
+            self.kept[index] = 1.0 - (1.0 - self.own[index]) * takers;
+        }
+    }
+}
+
+/// From 0 to 1, smooth at both ends.
+fn eased(t: f64) -> f64 {
+    t * t * (3.0 - 2.0 * t)
 }

@@ -75,6 +75,11 @@ impl JointTree {
             hung: Vec::new(),
             links: Csr::default(),
         };
+        // Joints turn in this order: where chains are cut it follows from what hangs there, not from numbers of bones.
+        for children in children.iter_mut().filter(|children| children.iter().any(|&child| is_hung[child as usize])) {
+            let mass = |bone: u32| if is_hung[bone as usize] { masses[bone as usize] } else { f64::INFINITY };
+            children.sort_by(|&a, &b| mass(b).total_cmp(&mass(a)));
+        }
         let count = children.iter().map(Vec::len).sum::<usize>() as u16;
         let mut stack: Vec<(u32, u16)> = children[world].iter().rev().map(|&bone| (bone, count)).collect();
         while let Some((bone, parent)) = stack.pop() {

@@ -4,6 +4,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use crate::skinning::bases::{Base, mean};
 use crate::skinning::blend::{Mode, Palette};
+use crate::skinning::hung_joints::HandedOn;
 use crate::skinning::joint_tree::JointTree;
 
 /// Stretch and shift below this are the noise of single-precision matrices, not the animator's intent.
@@ -21,8 +22,7 @@ pub(crate) struct Motions {
     pub has_intent: Vec<bool>,
     /// Joints that do exactly what their parent does.
     pub is_still: Vec<bool>,
-    /// Per hung joint the part of its loss that it keeps, and what those between are given of the rest, up to a factor.
-    pub handed_on: Vec<(f64, Vec<f64>)>,
+    pub handed_on: HandedOn,
     bases: Vec<Base>,
     /// Per base, for each member whether it is stretched and shifted against it; empty where the base does what `top` does.
     members_have_intent: Vec<Vec<bool>>,
@@ -43,7 +43,7 @@ impl Motions {
             channels: vec![DAffine3::IDENTITY; count + 1],
             has_intent: vec![false; count],
             is_still: vec![true; count],
-            handed_on: tree.hung.iter().map(|hung| (1.0, vec![0.0; hung.between.len()])).collect(),
+            handed_on: HandedOn::new(&tree.hung),
             members_have_intent: vec![Vec::new(); bases.len()],
             bases,
             rest,
@@ -160,6 +160,16 @@ impl Motions {
             self.palette.set(first + place, &rest, motion, Some(above));
         }
         self.members_have_intent[index] = motions[3..].iter().map(|m| m.1).collect();
+        // However far a shell turns against the joint above, its joints' rotations lie on the side of its own.
+        for place in 0..self.bases[index].members.len() {
+            let joint = self.bases[index].members[place].0;
+            for below in joint..usize::from(self.tree.ends[joint]) {
+                let reference = if below == joint { first } else { usize::from(self.tree.parents[below]) };
+                self.palette.align(below, reference);
+                self.palette.align(self.stretched(below), below);
+            }
+            self.palette.align(first + 3 + place, first);
+        }
     }
 
     /// Takes a pose. `size`: the mesh's, for what counts as a shift. `keep_bone_scale`: shift and stretch are intent.
@@ -186,9 +196,7 @@ impl Motions {
                 self.set_base(index, pose, size);
             }
         }
-        for (hung, (kept, parts)) in self.tree.hung.iter().zip(&mut self.handed_on) {
-            *kept = hung.kept(&self.tree, &self.channels, pose, parts);
-        }
+        self.handed_on.set(&self.tree, &self.channels, pose);
     }
 }
 
