@@ -11,7 +11,7 @@ from ..logic.character_figures import SpineFigures, VolumeFigures
 from ..logic.shells import Shells
 from ..messages import message
 from ..messages import of_error as message_of
-from ..properties.joint_names import label
+from ..properties.joint_names import bone_of, is_bend
 from ..runtime import Finding
 from ..scene import modifier_inputs, node_group, spine_stack, stack
 from ..scene.obstacles import Obstacle
@@ -166,7 +166,7 @@ def of_figures(target: bpy.types.Object, figures: VolumeFigures, strengths: dict
         text = message(
             "The strength of joints leaves {percent:+.2f} % of the volume: {joints}",
             percent=figures.corrected_deviation,
-            joints=", ".join(label(name) for name in weak[:MOST_JOINTS]) + (", …" if len(weak) > MOST_JOINTS else ""),
+            joints=", ".join(_label(name) for name in weak[:MOST_JOINTS]) + (", …" if len(weak) > MOST_JOINTS else ""),
         )
         found.append(finding(target, "INFO", "joint_strength", text))
     if figures.folds is not None and figures.folds.left_count:
@@ -195,13 +195,17 @@ def _of_capped_joints(target: bpy.types.Object, figures: VolumeFigures) -> list[
     for name in capped[:MOST_JOINTS]:
         text = message(
             "{joint} has no room for all of its volume; the rest went to the skin around: give it a larger Size",
-            joint=label(name),
+            joint=_label(name),
         )
         found.append(finding(target, "INFO", "capped", text, "LARGER_SIZE", name))
     if len(capped) > MOST_JOINTS:
         text = message("Other joints without room for all of their volume: {count}", count=len(capped) - MOST_JOINTS)
         found.append(finding(target, "INFO", "capped", text))
     return found
+
+
+def _label(joint: str) -> str:
+    return message("bend of {bone}", bone=bone_of(joint)) if is_bend(joint) else joint
 
 
 def of_spine_figures(figures: SpineFigures) -> tuple[Finding, ...]:
