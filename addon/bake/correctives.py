@@ -153,7 +153,11 @@ def make_copy(baking: Baking, skin: PosedSkin) -> None:
     if options.use_linear:
         armature.use_deform_preserve_volume = False
     if skin.is_other:
-        armature.object = plain_rig.make(source.end.object)
+        own = source.end.object
+        armature.object = plain_rig.make(own)
+        if copy.parent == own:
+            # Exporters skin what hangs on its armature.
+            copy.parent = armature.object
         armature.use_bone_envelopes, armature.use_vertex_groups = False, True
     if options.influences or skin.is_other:
         names = [name for name, is_deform in zip(skin.bones.names, skin.bones.is_deform, strict=True) if is_deform]

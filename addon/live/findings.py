@@ -11,7 +11,7 @@ from ..logic.character_figures import SpineFigures, VolumeFigures
 from ..logic.shells import Shells
 from ..messages import message
 from ..messages import of_error as message_of
-from ..properties.joint_names import label
+from ..properties.joint_names import bone_of, is_bend
 from ..runtime import Finding
 from ..scene import modifier_inputs, node_group, spine_stack, stack, stack_proof
 from ..scene.gathered import listed
@@ -178,7 +178,7 @@ def of_figures(target: bpy.types.Object, figures: VolumeFigures, strengths: dict
         text = message(
             "The strength of joints leaves {percent:+.2f} % of the volume: {joints}",
             percent=figures.corrected_deviation,
-            joints=listed([label(name) for name in weak]),
+            joints=listed([_label(name) for name in weak]),
         )
         found.append(finding(target, "INFO", "joint_strength", text))
     if figures.folds is not None and figures.folds.left_count:
@@ -207,16 +207,20 @@ def _of_capped_joints(target: bpy.types.Object, figures: VolumeFigures) -> list[
         return []
     text = message(
         "{joint} has no room for all of its volume; the rest went to the skin around: give it a larger Size",
-        joint=label(capped[0]),
+        joint=_label(capped[0]),
     )
     if len(capped) > 1:
         text = message(
             "{count} joints have no room for all of their volume: {joints}; the rest went to the skin around: give them"
             " a larger Size",
             count=len(capped),
-            joints=listed([label(name) for name in capped]),
+            joints=listed([_label(name) for name in capped]),
         )
     return [finding(target, "INFO", "capped", text, "LARGER_SIZE", "\n".join(capped))]
+
+
+def _label(joint: str) -> str:
+    return message("bend of {bone}", bone=bone_of(joint)) if is_bend(joint) else joint
 
 
 def of_spine_figures(figures: SpineFigures) -> tuple[Finding, ...]:

@@ -11,7 +11,7 @@ from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Vector
 
 from .. import runtime
-from ..messages import VISIBLE_PERCENT, signed_percent, translated, volume_error
+from ..messages import VISIBLE_PERCENT, signed_percent, volume_error
 from ..properties.joint_names import label
 from ..states import VolumeState
 from . import text
@@ -62,7 +62,7 @@ def draw_joints(context: bpy.types.Context, ob: bpy.types.Object, character: Vol
 
 def _draw_joint(name: str, joint: JointFigures, place: Vector, taken: list[text.Rect], *, is_active: bool) -> None:
     lost, regained = (signed_percent(value, 2) for value in (-joint.lost, joint.regained))
-    line = f"{translated(label(name), iface_)}  {lost} / {regained}" if is_active else f"{lost} / {regained}"
+    line = f"{label(name, iface_)}  {lost} / {regained}" if is_active else f"{lost} / {regained}"
     width, height = text.width(line), text.size()
     gap = 0.6 * text.unit()
     wanted = text.Rect(place.x + gap, place.y, place.x + gap + width, place.y + height)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..messages import translated
 from ..properties.joint import TurgorJoint
 from ..properties.joint_names import label
 from ..properties.saved import volume_settings
@@ -47,7 +46,7 @@ def edited_settings(ob: bpy.types.Object, joint: TurgorJoint) -> tuple[TurgorJoi
     flags = [False] * len(joints)
     joints.foreach_get("select", flags)
     others = sum(flags) - joint.select
-    name = translated(label(joint.name), iface_)
+    name = label(joint.name, iface_)
     if not others or ob.override_library is not None:
         return joint, name
     return saved.several, iface_("{name} and {count} more").format(name=name, count=others)

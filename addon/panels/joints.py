@@ -8,7 +8,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from .. import runtime
-from ..messages import signed_percent, translated
+from ..messages import signed_percent
 from ..properties.character import TurgorObject
 from ..properties.joint import TurgorJoint
 from ..properties.joint_names import label
@@ -58,7 +58,7 @@ class TURGOR_UL_joints(bpy.types.UIList):
         row.prop(item, "select", text="")
         name, *numbers = columns(row, context)
         is_capped = figures is not None and figures.is_capped
-        name.label(text=translated(label(item.name), iface_), translate=False, icon="ERROR" if is_capped else "NONE")
+        name.label(text=label(item.name, iface_), translate=False, icon="ERROR" if is_capped else "NONE")
         _draw_numbers(numbers, figures)
         switches = row.row(align=True)
         switches.prop(item, "is_solo", text="", icon="SOLO_ON" if item.is_solo else "SOLO_OFF", emboss=False)

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ..messages import message
-
 BEND = "\u2009(bend)"
+BEND_LABEL = "bend of {bone}"
 
 
 def bend_of(bone: str) -> str:
@@ -25,9 +24,14 @@ def bone_of(joint: str) -> str:
 
 def flipped(joint: str, flip: Callable[[str], str]) -> str:
     """Name of the joint on the other side. flip: names of bones."""
-    return bend_of(flip(bone_of(joint))) if joint.endswith(BEND) else flip(joint)
+    return bend_of(flip(bone_of(joint))) if is_bend(joint) else flip(joint)
 
 
-def label(joint: str) -> str:
-    """What the artist reads: a message."""
-    return message("bend of {bone}", bone=bone_of(joint)) if joint.endswith(BEND) else joint
+def is_bend(joint: str) -> bool:
+    """Whether it is the joint of a bendy bone's segments."""
+    return joint.endswith(BEND)
+
+
+def label(joint: str, translate: Callable[[str], str]) -> str:
+    """What the artist reads."""
+    return translate(BEND_LABEL).format(bone=bone_of(joint)) if is_bend(joint) else joint

@@ -47,8 +47,6 @@ def _flat_object(ob, rig):
     ob.scale = (1.0, 0.0, 1.0)
 
 
-
-
 def _second_armature_after(ob, rig):
     second = ob.modifiers.new("Second", "ARMATURE")
     second.object, second.show_viewport = rig, False

@@ -36,8 +36,6 @@ def _settle(ob: bpy.types.Object, frame: int = FRAME) -> None:
     bpy.context.scene.frame_set(frame)
 
 
-
-
 def _second_armature_after(ob, rig):
     ob.modifiers.new("Second", "ARMATURE").object = rig
 
