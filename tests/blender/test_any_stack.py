@@ -12,7 +12,6 @@ from stacks import KINDS, body_copy, keyed, moving_empty, new, pushed_out, secon
 from test_exact import VOLUME_TOLERANCE
 from tube import LAST_FRAME, LENGTH, add_turgor, character, select, set_strength, volume_modifier
 
-
 # Before the Armature they make the same body on every frame.
 STILL = frozenset({"laplacian smooth", "smooth", "nodes with an input"})
 

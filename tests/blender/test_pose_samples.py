@@ -229,5 +229,5 @@ def test_an_interruption_leaves_nothing_behind(pose_samples, frame):
     samples.close()
     assert _state(ob, rig) == before
     ob.modifiers.clear()
-    with pytest.raises(frame.FrameError, match="No Armature modifier"):
+    with pytest.raises(frame.FrameError, match="Nothing poses the mesh"):
         pose_samples.sample_poses(ob, FRAMES)
