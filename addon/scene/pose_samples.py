@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from . import carrier, drivers, frame, scene_drivers, skeleton, twin
+from . import carrier, drivers, frame, scene_drivers, skeleton, stack_proof, twin
 
 # Handlers of any extension would be told of a scene that is not the artist's.
 EVENTS = ("frame_change_pre", "frame_change_post", "depsgraph_update_pre", "depsgraph_update_post")
@@ -67,7 +67,7 @@ def evaluated_after(
 @contextmanager
 def scene_apart() -> Iterator[bpy.types.Scene]:
     """A copy of the scene without its objects: frames may be set in it, and nobody is told."""
-    with _without_handlers():
+    with stack_proof.handlers_put_aside(), _without_handlers():
         scene = bpy.context.scene.copy()
         try:
             _empty(scene)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import NamedTuple
 
 import bpy
@@ -222,8 +223,26 @@ def _key_reasons(ob: bpy.types.Object) -> Iterator[Message]:
         yield message("{handler} is called on every frame and may rewrite its shape keys", handler=handlers[0])
 
 
+# While handlers are put aside, those that there were.
+_put_aside: list[str] | None = None
+
+
+@contextmanager
+def handlers_put_aside() -> Iterator[None]:
+    """Within it `frame_handlers` tells those of before: how a stack is read does not change while poses are sampled."""
+    global _put_aside
+    before = _put_aside
+    _put_aside = frame_handlers()
+    try:
+        yield
+    finally:
+        _put_aside = before
+
+
 def frame_handlers() -> list[str]:
     """Names of functions of others that Blender calls on every frame, and that may change anything."""
+    if _put_aside is not None:
+        return _put_aside
     return [
         f"{handler.__module__}.{handler.__name__}"
         for event in _FRAME_EVENTS

@@ -233,5 +233,5 @@ def test_an_interruption_leaves_nothing_behind(pose_samples, frame):
     assert _state(ob, rig) == before
     bones = skin_bones(ob)
     ob.modifiers.clear()
-    with pytest.raises(frame.FrameError, match="No Armature modifier"):
+    with pytest.raises(frame.FrameError, match="Nothing poses the mesh"):
         pose_samples.sample_poses(ob, FRAMES, bones)
