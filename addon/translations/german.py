@@ -566,8 +566,8 @@ TEXTS: dict[str, str] = {
         "{count} Armatur-Modifikatoren verformen den Körper vor Turgor Spine: {names}; sie darunter verschieben oder"
         " ihre eigenen Knochen nehmen"
     ),
-    "{count} more modifiers deform by an armature: {names}; only one Armature is supported, turn them off": (
-        "{count} weitere Modifikatoren verformen mit einer Armatur: {names}; nur eine wird unterstützt, sie ausschalten"
+    "{count} Armature modifiers deform again after Turgor Volume: {names}; move Turgor Volume below them": (
+        "{count} Armatur-Modifikatoren verformen nach Turgor Volume noch einmal: {names}; Turgor Volume unter sie schieben"
     ),
     "{count} modifiers can move the mesh before ours: {names}; move them after Turgor": (
         "{count} Modifikatoren können das Netz vor unserem bewegen: {names}; sie hinter Turgor verschieben"
@@ -667,10 +667,13 @@ TEXTS: dict[str, str] = {
         "{rig} bewegt dieses Netz mit {count:,} Knochen und Segmenten, höchstens {most:,} gehen:"
         " Segmente von Biegeknochen verringern"
     ),
-    "{what} moves skin along bendy bones or through envelopes, whose weights then change from frame to frame,"
-    " which is not followed yet: let it move other skin only, or set the bones' segments to 1": (
+    "{what} moves skin along bendy bones or through envelopes": (
+        "{what} verschiebt Haut entlang von Biegeknochen oder durch Hüllen"
+    ),
+    "{what} moves skin along bendy bones or through envelopes, whose weights then change from frame to frame: let it"
+    " move other skin only, or set the bones' segments to 1": (
         "{what} verschiebt Haut entlang von Biegeknochen oder durch Hüllen, deren Gewichte sich dann von Bild zu Bild"
-        " ändern, was noch nicht geht: nur andere Haut verschieben lassen, oder die Segmente der Knochen auf 1 setzen"
+        " ändern: nur andere Haut verschieben lassen, oder die Segmente der Knochen auf 1 setzen"
     ),
     "Shape key {key}": "Formschlüssel {key}",
     "Bone {bone}, whose curve at rest is animated,": "Knochen {bone}, dessen Kurve in Ruhe animiert ist,",
