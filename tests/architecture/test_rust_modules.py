@@ -8,7 +8,19 @@ from sources import REPOSITORY
 
 CORE = REPOSITORY / "rust/core/src"
 # From the ground up: a room uses only those before it. Single files of the crate stand above all.
-ROOMS = ("error", "numeric", "parallel", "surface", "skinning", "losses", "fields", "folds", "spine", "weights")
+ROOMS = (
+    "error",
+    "numeric",
+    "parallel",
+    "surface",
+    "cores",
+    "skinning",
+    "losses",
+    "fields",
+    "folds",
+    "spine",
+    "weights",
+)
 ABOVE = {"report", "binding", "frame", "volume_skin", "workspaces", "many_poses"}
 # Rooms that know nothing of skinned bodies, and that nothing of those knows.
 APART = {"spine", "weights"}

@@ -38,9 +38,11 @@ def digest_of_all_poses() -> str:
     return digest.hexdigest()
 
 
-def digest_in_threads(count: int) -> str:
+def digest_in_threads(count: int, of: str = "test_determinism.digest_of_all_poses") -> str:
+    """What a function of a test module returns in a process with so many threads."""
+    module, name = of.split(".")
     environment = {**os.environ, "RAYON_NUM_THREADS": str(count)}
-    command = [sys.executable, "-c", "import test_determinism as t; print(t.digest_of_all_poses())"]
+    command = [sys.executable, "-c", f"import {module} as t; print(t.{name}())"]
     here = Path(__file__).parent
     return subprocess.run(command, cwd=here, env=environment, check=True, capture_output=True, text=True).stdout
 

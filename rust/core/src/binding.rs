@@ -4,6 +4,8 @@ use std::sync::{Arc, OnceLock};
 
 use glam::{DAffine3, DVec3};
 
+use crate::cores::following::Core;
+use crate::cores::rest::RestSurface;
 use crate::error::{Error, Result};
 use crate::fields::joint::Joint;
 use crate::fields::supports::Supports;
@@ -54,6 +56,10 @@ pub(crate) struct Binding {
     pub unsound: Vec<(u32, u32)>,
     armature_from_rest: DAffine3,
     given_faces: Arc<Csr<u32>>,
+    /// Faces of sound components with their caps, as points.
+    faces: Arc<Csr<u32>>,
+    /// Made when a frame first brings offsets that move anything.
+    core: OnceLock<Core>,
     /// Made when folds are repaired for the first time.
     skin: OnceLock<Skin>,
     /// Made when a frame first brings offsets or a body of its own.
@@ -116,6 +122,8 @@ impl Binding {
             bone_count: skinning.skeleton.len(),
             unsound: unsound(topology, &patches),
             given_faces: Arc::clone(&topology.given_faces),
+            faces: Arc::clone(&topology.faces),
+            core: OnceLock::new(),
             skin: OnceLock::new(),
             vertices_of_slot: OnceLock::new(),
             patches,
@@ -157,6 +165,34 @@ impl Binding {
                 &self.points(|slot| self.sites.mean(slot, rest), |vertex| rest(self.sites.site_of_vertex[vertex] as usize)),
             )
         })
+    }
+
+    /// What lies under the bound skin.
+    pub fn core(&self) -> &Core {
+        self.core.get_or_init(|| {
+            let areas = self.inverse_areas.iter().map(|&inverse| if inverse > 0.0 { self.area_unit / f64::from(inverse) } else { 0.0 });
+            let mut faces = Csr::default();
+            let mut is_used = vec![false; self.patches.slot_count()];
+            for face in self.faces.rows() {
+                let slots = face.iter().map(|&point| self.patches.slot_of_point[point as usize]);
+                slots.clone().for_each(|slot| is_used[slot as usize] = true);
+                faces.push_row(slots);
+            }
+            let used = (0..is_used.len()).filter(|&slot| is_used[slot]);
+            let pairs: Vec<(u32, u32)> = used.map(|slot| (self.patches.component_of_slot(slot), slot as u32)).collect();
+            let rest = RestSurface {
+                places: (0..self.patches.slot_count()).map(|slot| self.rest_in_armature(slot)).collect(),
+                areas: areas.collect(),
+                faces,
+                slots_of_component: Csr::from_pairs(self.components.len(), &pairs),
+            };
+            Core::new(rest, &self.patches)
+        })
+    }
+
+    /// Where the point in a slot rests, armature space as it stood at bind.
+    pub fn rest_in_armature(&self, slot: usize) -> DVec3 {
+        self.armature_from_rest.transform_point3(lanes::to(self.sites.mean(slot, |site| self.sites.rest[site])))
     }
 
     /// Vertices of the point in each slot: its twins.
@@ -209,6 +245,7 @@ impl Binding {
             + self.plan.memory_bytes()
             + size_of_val(&*self.inverse_areas)
             + self.skin.get().map_or(0, Skin::memory_bytes)
+            + self.core.get().map_or(0, Core::memory_bytes)
             + self.vertices_of_slot.get().map_or(0, Csr::memory_bytes)
     }
 }

@@ -43,6 +43,7 @@
 //! bending with local volume preservation*, 2013.
 
 mod binding;
+mod cores;
 mod error;
 mod fields;
 mod folds;

@@ -47,6 +47,9 @@ fn directions_by_lanes<S: Simd>(
     }
 }
 
+/// A point whose gradient is less than this part of its area at rest moves as if it were as much.
+const AREA_MIN: f32 = 0.2;
+
 /// Multiplies the directions, volumes and lengths of points by what a mask leaves them.
 pub(crate) fn mask(mask: &[f32], directions: &mut [Row; 3], volumes: &mut Row, lengths: &mut Row) {
     dispatch!(Level::new(), simd => mask_by_lanes(simd, mask, directions, volumes, lengths));
@@ -216,6 +219,32 @@ impl FieldSum {
         self.count = count;
         self.is_shaped = false;
         self.by_gradient.iter_mut().for_each(|row| row[..count].fill(0.0));
+    }
+
+    /// What points themselves give, or take: `volumes` in units of the mean area, none moved by more than its bound, smoothly.
+    ///
+    /// By its own gradient a point would move the farther the less it has of it; skin of a fifth of its area at rest counts as such.
+    pub fn add_local(&mut self, volumes: &[f32], bounds: &[f32], gradient: Rows, inverse_areas: &[f32], lengths: &Row) {
+        dispatch!(Level::new(), simd => self.add_local_by_lanes(simd, volumes, bounds, gradient, inverse_areas, lengths));
+    }
+
+    #[inline(always)]
+    fn add_local_by_lanes<S: Simd>(&mut self, _: S, volumes: &[f32], bounds: &[f32], gradient: Rows, inverse_areas: &[f32], lengths: &Row) {
+        let count = self.count;
+        let [given, taken] = self.by_gradient.each_mut().map(|row| &mut row[..count]);
+        let [x, y, z] = gradient.map(|row| &row[..count]);
+        let (volumes, bounds, inverse_areas, lengths) = (&volumes[..count], &bounds[..count], &inverse_areas[..count], &lengths[..count]);
+        for i in 0..count {
+            let least = AREA_MIN / inverse_areas[i];
+            let square = (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]).max(least * least);
+            let factor = volumes[i] / square;
+            let beyond = factor * lengths[i] / bounds[i];
+            let within = 1.0 / (1.0 + beyond * beyond * (beyond * beyond)).sqrt().sqrt();
+            // Where there is no area, or no room, there is no number.
+            let factor = if (factor * within).is_finite() { factor * within } else { 0.0 };
+            given[i] += factor.max(0.0);
+            taken[i] += factor.min(0.0);
+        }
     }
 
     /// What a joint gives, or takes, without axes: by its bell, and by all of its vicinity. Leaves weights times the bell in

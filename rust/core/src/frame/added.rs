@@ -18,6 +18,11 @@ impl Added {
         self.of_vertex.is_empty()
     }
 
+    /// Whether any offset is not 0.
+    pub fn moves_anything(&self) -> bool {
+        self.of_vertex.iter().any(|offset| *offset != [0.0; 3])
+    }
+
     pub fn memory_bytes(&self) -> usize {
         size_of_val(&*self.of_vertex)
     }

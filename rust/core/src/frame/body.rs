@@ -50,16 +50,15 @@ impl Workspace {
         check_numbers("shape_values", pose.shape_values)?;
         self.body.of_vertex.clear();
         self.body.is_brought = pose.rest_positions.is_some();
-        let placed = match pose.rest_positions {
-            Some(positions) => self.bring_body(binding, positions)?,
-            None => {
-                self.body.of_site.clear();
-                if !binding.shape_deltas.is_empty() {
-                    self.body.of_site.resize(binding.sites.len(), lanes::ZERO);
-                    binding.mix_shapes(pose.shape_values, &mut self.body.of_site);
-                }
-                (binding.rest_centre, binding.radius_with(pose.shape_values))
+        let placed = if let Some(positions) = pose.rest_positions {
+            self.bring_body(binding, positions)?
+        } else {
+            self.body.of_site.clear();
+            if !binding.shape_deltas.is_empty() {
+                self.body.of_site.resize(binding.sites.len(), lanes::ZERO);
+                binding.mix_shapes(pose.shape_values, &mut self.body.of_site);
             }
+            (binding.rest_centre, binding.radius_with(pose.shape_values))
         };
         let is_bound = self.body.of_site.is_empty();
         let bodies = binding.plan.bodies(self.is_staged(binding));

@@ -135,6 +135,7 @@ impl Workspace {
         keep: impl Fn(&mut Move, Move) + Sync,
     ) {
         let (jobs, components, patches, mask) = (&self.jobs, &self.components, &binding.patches, self.mask.as_deref());
+        let local = Some(&self.local).filter(|local| local.is_used && matches!(pass, Pass::All | Pass::Shell));
         let (gradient, places, profiled) =
             (self.gradient.each_ref().map(|c| &**c), self.skinned.near.each_ref().map(|c| &**c), &self.profiled);
         for_each_piece(patches.list.len(), Ragged::new(&mut self.moves, &patches.slot_offsets), &|index, moves| {
@@ -154,6 +155,9 @@ impl Workspace {
                 }
                 let is_wide = !matches!(pass, Pass::Some(_));
                 sum.start(areas.len());
+                if let Some(local) = local {
+                    sum.add_local(&local.volumes[slots.clone()], &local.bounds[slots.clone()], gradient, areas, lengths);
+                }
                 let of_patch = supports.block_offsets[index] as usize..supports.block_offsets[index + 1] as usize;
                 let profiled = profiled.get(of_patch).unwrap_or_default();
                 for support in supports.of_patch(index) {

@@ -6,6 +6,7 @@ mod body;
 mod give_back;
 mod in_order;
 mod joint_field;
+mod local;
 mod mask;
 mod offsets;
 mod one_direction;
@@ -27,6 +28,7 @@ use glam::{DAffine3, DMat4, DVec3};
 use self::added::Added;
 use self::body::Body;
 pub use self::joint_field::JointField;
+use self::local::Local;
 pub(crate) use self::mask::Mask;
 pub use self::refinement::RefinementNeed;
 pub(crate) use self::refinement::{Details, Needs};
@@ -139,6 +141,7 @@ pub struct Workspace {
     giant_room: Vec<f64>,
     skinned: Places,
     added: Added,
+    local: Local,
     /// In units of the mean area.
     gradient: Coordinates,
     /// Per slot.
@@ -227,6 +230,7 @@ impl Workspace {
             giant_positions: vec![lanes::ZERO; giant_points],
             giant_room: vec![0.0; ROWS * giant_points],
             added: Added::default(),
+            local: Local::default(),
             skinned: Places { near: coordinates(), rest: coordinates() },
             gradient: coordinates(),
             moves: vec![Move::default(); slots],
@@ -250,6 +254,7 @@ impl Workspace {
             + vectors.iter().map(|v| size_of_val(&***v)).sum::<usize>()
             + self.body.memory_bytes()
             + self.added.memory_bytes()
+            + self.local.memory_bytes()
             + size_of_val(&*self.moves)
             + size_of_val(&*self.profiled)
             + size_of_val(&*self.holds)

@@ -61,6 +61,7 @@ impl Workspace {
                 None => state.wide += given_back,
             }
         }
+        self.share_added_losses(binding, supports, settings, pose);
         for (state, job) in self.jobs.iter().zip(&binding.plan.jobs) {
             self.components[job.component as usize].spread += state.volume.abs();
         }

@@ -111,6 +111,21 @@ impl<'a> PointTree<'a> {
         }
     }
 
+    /// Visits all points that are not farther than `distance` from a place, and perhaps others.
+    pub fn for_each_within(&self, place: DVec3, distance: f64, mut visit: impl FnMut(u32)) {
+        let mut open: Vec<usize> = if self.nodes.is_empty() { Vec::new() } else { vec![0] };
+        while let Some(index) = open.pop() {
+            let node = &self.nodes[index];
+            if place.clamp(node.low, node.high).distance(place) > distance * (1.0 + CERTAIN) {
+                continue;
+            }
+            match node.halves {
+                Some(halves) => open.extend(halves),
+                None => self.order[node.range.clone()].iter().for_each(|&i| visit(i)),
+            }
+        }
+    }
+
     /// The nearest point to a place that is not farther than `distance`, the first one of those equally near.
     pub fn nearest(&self, place: DVec3, distance: f64) -> Option<u32> {
         let mut best: Option<(f64, u32)> = None;

@@ -161,7 +161,7 @@ fn add_cone<S: Simd>(sums: &mut [f64x4<S>; 4], mean: [Four<S>; 2], first: [Four<
 }
 
 #[inline(always)]
-fn triangle<S: Simd>(simd: S, p: &Buffer, [a, b, c]: &[[u8; 4]; 3]) -> [Four<S>; 3] {
+pub(crate) fn triangle<S: Simd>(simd: S, p: &Buffer, [a, b, c]: &[[u8; 4]; 3]) -> [Four<S>; 3] {
     [Four::gather(simd, p, *a), Four::gather(simd, p, *b), Four::gather(simd, p, *c)]
 }
 
@@ -179,12 +179,12 @@ fn for_each_quad<S: Simd>(simd: S, patches: &Patches, patch: &Patch, p: &Buffer,
 }
 
 #[inline(always)]
-fn strips<'a>(patches: &'a Patches, patch: &Patch) -> impl Iterator<Item = &'a [Rung]> {
+pub(crate) fn strips<'a>(patches: &'a Patches, patch: &Patch) -> impl Iterator<Item = &'a [Rung]> {
     patch.strips.clone().map(|strip| patches.strips.row(strip))
 }
 
 #[inline(always)]
-fn rung<S: Simd>(simd: S, p: &Buffer, [left, right]: &Rung) -> (Four<S>, Four<S>) {
+pub(crate) fn rung<S: Simd>(simd: S, p: &Buffer, [left, right]: &Rung) -> (Four<S>, Four<S>) {
     (Four::gather(simd, p, *left), Four::gather(simd, p, *right))
 }
 
@@ -228,6 +228,6 @@ pub(crate) fn mean_and_cross(corners: impl ExactSizeIterator<Item = V4> + Clone)
 }
 
 #[inline(always)]
-fn polygons<'a>(patches: &'a Patches, range: &Range<usize>) -> impl Iterator<Item = &'a [u8]> {
+pub(crate) fn polygons<'a>(patches: &'a Patches, range: &Range<usize>) -> impl Iterator<Item = &'a [u8]> {
     range.clone().map(|f| patches.polygons.row(f))
 }

@@ -67,7 +67,7 @@ pub struct Topology {
     /// Vertices of each point: its twins.
     pub vertices_of_point: Csr<u32>,
     /// Faces of sound components with their caps, as points, outward or inward all alike within a component.
-    pub faces: Csr<u32>,
+    pub faces: Arc<Csr<u32>>,
     /// Component of each of `faces`.
     pub component_of_face: Vec<u32>,
     /// Faces of all shells, sound or not, as points in the order of the mesh; without caps, and as they came.
@@ -412,7 +412,7 @@ impl Surface {
             vertices_of_point: Csr::from_pairs(welding.point_count, &twins),
             point_of_vertex: welding.point_of_vertex,
             point_count: welding.point_count,
-            faces,
+            faces: Arc::new(faces),
             component_of_face,
             given_faces: Arc::new(given_faces),
             component_of_point,
