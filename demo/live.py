@@ -124,7 +124,8 @@ def live_frame(mesh_object: bpy.types.Object) -> LiveFrame:
 
 def bone_name(mesh_object: bpy.types.Object, bone: int) -> str:
     """Name of a bone by the engine's index."""
-    return character(mesh_object).binding.bones.names[bone]
+    bones = character(mesh_object).binding.bones
+    return bones.names[bones.bone_of(bone)]
 
 
 def frame_times(mesh_object: bpy.types.Object) -> tuple[float, float, float]:

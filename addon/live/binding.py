@@ -286,7 +286,7 @@ def _placement(target: bpy.types.Object, rig: bpy.types.Object, *, is_changed: b
 
 def _renamed(before: skeleton.RestBones, after: skeleton.RestBones) -> dict[str, str]:
     """New names of joints, when nothing but names of bones changed."""
-    if before.parents.tolist() != after.parents.tolist():
+    if len(before.names) != len(after.names) or before.parents.tolist() != after.parents.tolist():
         return {}
     renamed = list(zip(before.names, after.names, strict=True))
     return dict(renamed + [(bend_of(old), bend_of(new)) for old, new in renamed])

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..logic import envelopes, node_weights, weights
 from ..logic.weights import BoneWeights
 from ..messages import Message, message
-from ..scene import bendy, obstacles, rest, skeleton
+from ..scene import bendy, obstacles, placement, rest, skeleton
 from .binding_rules import BindError
 
 # Weights of nodes and envelopes that change by less stay what they are.
@@ -61,11 +61,13 @@ def read_skin(
     of_groups = weights.bone_weights(*groups, group_names if use_groups else [], deform)
     if not len(bones.names):
         return Skin(bones, of_groups, mask, False, "")
-    armature_from_object = np.linalg.inv(object_from_armature)
     made = _Placed(rig, bones, of_groups, use_envelopes)
-    points = _moved(read.positions, armature_from_object)
     if not made.is_any:
         return Skin(bones, of_groups, mask, False, "")
+    if np.linalg.det(object_from_armature) == 0.0:
+        raise placement.PlacementError(placement.NO_INVERSE)
+    armature_from_object = np.linalg.inv(object_from_armature)
+    points = _moved(read.positions, armature_from_object)
     if is_plain:
         return Skin(bones, made.enveloped(points), mask, True, "")
     with bendy.rest_pose(rig, frame) as posed:
@@ -82,7 +84,13 @@ def read_skin(
             return Skin(bones, held, mask, True, moving)
         split = made.split(held, points, posed, bends)
     nodes = {bone: split.used_nodes(bone) for bone in bends}
-    bent = skeleton.bent(bones, bends, nodes)
+    try:
+        bent = skeleton.bent(bones, bends, nodes)
+    except np.linalg.LinAlgError:
+        text = message(
+            "Segments of {rig} are scaled to nothing at rest: give its bendy bones another scale", rig=rig.name
+        )
+        raise BindError(obstacles.Obstacle("flat_segments", text)) from None
     rows = np.tile(np.arange(len(bones.names))[:, None], (1, 1 + max(bend.segments for bend in bends.values())))
     assert bent.bends is not None
     of_nodes = [node for _, bone_nodes in bent.bends.reads for node in bone_nodes]

@@ -51,7 +51,7 @@ class Bends(NamedTuple):
 
     rows: NDArray[np.intp]  # (M,) of the skeleton
     bones: NDArray[np.intp]  # (M,) whose nodes they are
-    reads: tuple[tuple[str, tuple[int, ...]], ...]  # by bone, its name and its nodes: M in all, in the order of rows
+    reads: tuple[tuple[int, tuple[int, ...]], ...]  # by bone, its place in the pose and its nodes: M in all, as rows
     before: NDArray[np.float64]  # (M, 4, 4) rest matrix of the bone
     after: NDArray[np.float64]  # (M, 4, 4) inverse of the node's rest matrix, both armature space
     # Below a bone that bends its children hang on no node: Blender moves them with the bone as a whole.
@@ -84,7 +84,7 @@ class RestPose:
     def read(self, name: str) -> RestBend:
         """Read a bendy bone."""
         bone = self._rig.data.bones[name]
-        matrices = read_nodes(self._rig, [(name, tuple(range(bone.bbone_segments + 1)))], is_rest=True)
+        matrices = read_nodes([(self._rig.pose.bones[name], range(bone.bbone_segments + 1))], is_rest=True)
         heights = np.linspace(0.0, bone.length, len(matrices))
         straight = np.tile(np.eye(4), (len(matrices), 1, 1))
         straight[:, 1, 3] = heights
@@ -155,13 +155,12 @@ def signature(armature: bpy.types.Armature) -> list[object]:
 
 
 def read_nodes(
-    rig: bpy.types.Object, reads: Iterable[tuple[str, tuple[int, ...]]], *, is_rest: bool = False
+    reads: Iterable[tuple[bpy.types.PoseBone, Iterable[int]]], *, is_rest: bool = False
 ) -> NDArray[np.float64]:
-    """(M, 4, 4) of nodes of bones, bone's space; `rig`: evaluated. Raises RuntimeError where segments are others."""
+    """(M, 4, 4) of nodes of evaluated bones, bone's space. Raises RuntimeError where segments are others."""
     matrices: list[Matrix] = []
-    bones = rig.pose.bones
-    for name, nodes in reads:
-        read = bones[name].bbone_segment_matrix
+    for bone, nodes in reads:
+        read = bone.bbone_segment_matrix
         matrices += [read(node, rest=is_rest) for node in nodes]
     if _HAVE_BUFFERS:
         flat = np.frombuffer(b"".join(map(bytes, matrices)), np.float32).astype(np.float64)
@@ -174,27 +173,28 @@ def pose_rows(rig: bpy.types.Object, bends: Bends, matrices: NDArray[np.float32]
     """Fill the rows of `bends` in `matrices`, (R, 4, 4), whose bones have pose @ inverse(rest). `rig`: evaluated."""
     bones = matrices[bends.bones].astype(np.float64)
     matrices[bends.end_rows] = matrices[bends.end_bones]
-    after = _after(rig, bends)
-    matrices[bends.rows] = bones @ bends.before @ read_nodes(rig, bends.reads) @ after
+    posed = [rig.pose.bones[place] for place, _ in bends.reads]
+    nodes = read_nodes(zip(posed, (nodes for _, nodes in bends.reads), strict=True))
+    matrices[bends.rows] = bones @ bends.before @ nodes @ _after(posed, bends)
 
 
 # Settings of animated curves at rest that are remembered, of each bone.
 _MOST_MOVED = 16
 
 
-def _after(rig: bpy.types.Object, bends: Bends) -> NDArray[np.float64]:
+def _after(posed: list[bpy.types.PoseBone], bends: Bends) -> NDArray[np.float64]:
     """(M, 4, 4) as in `Bends`, with the curves at rest as they are now."""
     after = bends.after
     for place, rest in enumerate(bends.moving):
-        name, nodes = bends.reads[rest.read]
-        now = place, _values(rig.data.bones[name], rest.settings)
+        bone, nodes = posed[rest.read], bends.reads[rest.read][1]
+        now = place, _values(bone.bone, rest.settings)
         if now[1] == rest.values:
             continue
         first = sum(len(each) for _, each in bends.reads[: rest.read])
         rows = slice(first, first + len(nodes))
         moved = bends.moved.get(now)
         if moved is None:
-            moved = np.linalg.inv(bends.before[rows] @ read_nodes(rig, [(name, nodes)], is_rest=True))
+            moved = np.linalg.inv(bends.before[rows] @ read_nodes([(bone, nodes)], is_rest=True))
             if len(bends.moved) >= _MOST_MOVED * len(bends.moving):
                 bends.moved.clear()
             bends.moved[now] = moved

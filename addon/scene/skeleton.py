@@ -102,6 +102,7 @@ def bent(bones: RestBones, bends: Mapping[int, bendy.RestBend], nodes: Mapping[i
     """The same bones with rows for nodes.
 
     bends: bones that bend, by row; nodes: those of their nodes that hold skin, rising. Node 0 has the bone's own row.
+    Raises np.linalg.LinAlgError where a node is scaled to nothing.
     """
     parents, rests, tails = bones.parents.tolist(), list(bones.rest_matrices), list(bones.tails)
     rows, owners, reads, before, ends, moving = [], [], [], [], {}, []
@@ -118,7 +119,7 @@ def bent(bones: RestBones, bends: Mapping[int, bendy.RestBend], nodes: Mapping[i
             rows.append(len(parents))
             above = _add(parents, rests, tails, above, at_rest[node], tail)
             owners.append(bone)
-        reads.append((bones.names[bone], tuple(nodes[bone])))
+        reads.append((int(bones.pose_indices[bone]), tuple(nodes[bone])))
         before.append(np.broadcast_to(own, (len(nodes[bone]), 4, 4)))
         if bend.animated:
             moving.append(bendy.MovingRest(len(reads) - 1, bend.animated, bend.values))
@@ -132,6 +133,7 @@ def bent(bones: RestBones, bends: Mapping[int, bendy.RestBend], nodes: Mapping[i
     counts = [len(read[1]) for read in reads]
     at_rest = np.array([bends[bone].matrices[node] for bone in bends for node in nodes[bone]]).reshape(-1, 4, 4)
     whole = np.concatenate(before) if before else np.zeros((0, 4, 4))
+    after = np.linalg.inv(whole @ at_rest)
     rest_matrices = np.array(rests)
     # Dual quaternions take the turns of rest matrices; nodes may be scaled.
     rest_matrices[places, :3, :3] /= np.linalg.norm(rest_matrices[places, :3, :3], axis=1, keepdims=True)
@@ -144,7 +146,7 @@ def bent(bones: RestBones, bends: Mapping[int, bendy.RestBend], nodes: Mapping[i
             np.repeat(np.array(list(bends), np.intp), counts),
             tuple(reads),
             whole,
-            np.linalg.inv(whole @ at_rest),
+            after,
             np.array(list(ends.values()), np.intp),
             np.array(list(ends), np.intp),
             np.array(owners, np.intp),
@@ -182,7 +184,7 @@ def read_pose(rig: bpy.types.Object, bones: RestBones) -> NDArray[np.float32]:
         matrices = np.empty((len(bones.parents), 4, 4), np.float32)
         matrices[: len(own)] = own
         bendy.pose_rows(rig, bones.bends, matrices)
-    except (IndexError, KeyError):
+    except IndexError:
         raise PoseError("Bones were removed from the armature: leave its edit mode, or press Rebind") from None
     except RuntimeError:
         raise PoseError("Segments of bendy bones are others than were bound: press Rebind") from None

@@ -675,6 +675,9 @@ TEXTS: dict[str, str] = {
         "{what} verschiebt Haut entlang von Biegeknochen oder durch Hüllen, deren Gewichte sich dann von Bild zu Bild"
         " ändern: nur andere Haut verschieben lassen, oder die Segmente der Knochen auf 1 setzen"
     ),
+    "Segments of {rig} are scaled to nothing at rest: give its bendy bones another scale": (
+        "Segmente von {rig} sind in Ruhe auf nichts skaliert: seinen Biegeknochen eine andere Skalierung geben"
+    ),
     "Shape key {key}": "Formschlüssel {key}",
     "Bone {bone}, whose curve at rest is animated,": "Knochen {bone}, dessen Kurve in Ruhe animiert ist,",
     "bend of {bone}": "Biegung von {bone}",

@@ -301,3 +301,19 @@ def test_ease_that_is_driven_moves_the_rest_of_curved_bones(runtime):
         # No bind comes of it.
         assert runtime.character(ob.session_uid).signature == stack.signature(ob)
         _check(ob, runtime)
+
+
+def test_segments_scaled_to_nothing_and_flat_armatures_are_told(runtime, route):
+    ob, armature = _bendy_tube()
+    armature.data.bones["Bone1"].bbone_scalein = (0.0, 1.0, 1.0)
+    add_turgor(ob)
+    assert _found(ob, runtime, "flat_segments") is not None
+    armature.data.bones["Bone1"].bbone_scalein = (1.0, 1.0, 1.0)
+    armature.scale.x = 0.0
+    bpy.context.view_layer.update()
+    ob.update_tag()
+    bpy.context.view_layer.update()
+    assert "scale" in runtime.character(ob.session_uid).problem
+    armature.scale.x = 1.0
+    ob.update_tag()
+    _check(ob, runtime)
