@@ -142,6 +142,23 @@ def test_posed_in_ways_that_rigs_use(route, runtime, setup):
     _check(runtime, ob, body)
 
 
+@pytest.mark.parametrize("kind", ["bendy", "envelopes", "envelope multiply"])
+def test_bones_that_the_engine_does_not_skin_by_amid_others(runtime, kind):
+    ob, rig = character()
+    new(ob, "CORRECTIVE_SMOOTH", iterations=3)
+    body = body_copy(ob, ob.modifiers["Armature"])
+    add_turgor(ob)
+    ob.modifiers.move(list(ob.modifiers).index(volume_modifier(ob)), len(ob.modifiers) - 1)
+    if kind == "bendy":
+        rig.data.bones["Bone1"].bbone_segments = 5
+    elif kind == "envelopes":
+        ob.modifiers["Armature"].use_bone_envelopes = True
+    else:
+        rig.data.bones["Bone1"].use_envelope_multiply = True
+    bpy.context.view_layer.update()
+    _check(runtime, ob, body)
+
+
 def _keys(ob: bpy.types.Object) -> bpy.types.Key:
     ob.shape_key_add(name="Basis")
     for name, widening in (("Wide", 0.5), ("Low", -0.3)):

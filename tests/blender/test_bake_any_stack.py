@@ -11,6 +11,7 @@ from measure import evaluated_mesh, mesh_positions
 from stacks import KINDS, new
 from test_bake import EXACT_TOLERANCE, FRAMES, bake, size, worst  # noqa: F401
 from test_exact import VOLUME_TOLERANCE
+from test_exports import READERS, nearest, over_frames, world, world_volume
 from tube import LAST_FRAME, add_turgor, character, select, volume_modifier
 
 
@@ -113,3 +114,22 @@ def test_a_scene_driver_of_a_modifier_is_told(bake):  # noqa: F811
     refusal = importlib.import_module("addon.bake.options").BakeError
     with pytest.raises(refusal, match="Context Property"):
         bake(ob, "ABSOLUTE")
+
+
+@pytest.mark.parametrize("kind", ["GLTF", "FBX", "USD", "ALEMBIC"])
+def test_exports_keep_shape_and_volume(tmp_path, kind):
+    exports = importlib.import_module("addon.bake.exports")
+    ob = _between("corrective smooth", "lattice")
+    expected = over_frames(ob, kind)
+    path = tmp_path / f"character{exports.SUFFIXES[kind]}"
+    exports.export([ob], exports.Settings(kind, path, error_relative=1e-5))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    READERS[kind](str(path))
+    meshes = [other for other in bpy.data.objects if other.type == "MESH" and len(other.data.vertices) > 200]
+    assert len(meshes) == 1
+    for frame, (points, inside) in expected.items():
+        bpy.context.scene.frame_set(frame)
+        found = world(meshes[0])
+        length = float(np.linalg.norm(np.ptp(points, axis=0)))
+        assert nearest(points, found) < 1e-3 * length
+        assert abs(world_volume(meshes[0]) / inside - 1.0) < 1e-3
