@@ -7,6 +7,7 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -87,7 +88,7 @@ def test_arrays_are_per_frame_or_the_same_for_all(seed: int, is_per_frame: list[
     for (name, values), varies in zip(list(given_arrays.items()), is_per_frame, strict=True):
         if not varies:
             given_arrays[name] = np.broadcast_to(values[0], values.shape)
-    arguments = {
+    arguments: dict[str, Any] = {
         name: values if varies else values[0]
         for (name, values), varies in zip(given_arrays.items(), is_per_frame, strict=True)
     }
