@@ -567,7 +567,7 @@ TEXTS: dict[str, str] = {
         " ihre eigenen Knochen nehmen"
     ),
     "{count} Armature modifiers deform again after Turgor Volume: {names}; move Turgor Volume below them": (
-        "{count} Armatur-Modifikatoren verformen nach Turgor Volume noch einmal: {names}; Turgor Volume darunter schieben"
+        "{count} Armatur-Modifikatoren verformen nach Turgor Volume nochmals: {names}; Turgor Volume darunter schieben"
     ),
     "{count} modifiers can move the mesh before ours: {names}; move them after Turgor": (
         "{count} Modifikatoren können das Netz vor unserem bewegen: {names}; sie hinter Turgor verschieben"
