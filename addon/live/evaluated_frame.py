@@ -15,6 +15,10 @@ from ..states import EvaluatedStack, VolumeBinding
 from .binding_rules import BindError
 
 
+# Part of the largest coordinate up to which Blender's float32 skin and the engine's are the same.
+ROUNDING = 8.0 * float(np.finfo(np.float32).eps)
+
+
 def options(
     target: bpy.types.Object,
     bound: VolumeBinding,
@@ -44,9 +48,12 @@ def options(
     skinned: NDArray[np.floating] = body
     if len(pose_matrices):
         skinned = bound.body.skinning.deform(body, pose_matrices, inputs.object_from_armature)
-    asked["added_offsets"] = np.subtract(posed, skinned, dtype=np.float64).astype(np.float32)
-    if bound.fleshed is not None:
-        asked["fleshed"] = bound.fleshed
+    added = np.subtract(posed, skinned, dtype=np.float64).astype(np.float32)
+    # What rounding leaves is no deformation, and has no place where its volume was lost.
+    if np.abs(added).max(initial=0.0) > ROUNDING * np.abs(posed).max(initial=0.0):
+        asked["added_offsets"] = added
+        if bound.fleshed is not None:
+            asked["fleshed"] = bound.fleshed
     return asked
 
 
