@@ -14,7 +14,6 @@ from ..scene.obstacles import Obstacle
 from ..states import EvaluatedStack, VolumeBinding
 from .binding_rules import BindError
 
-
 # Part of the largest coordinate up to which Blender's float32 skin and the engine's are the same.
 ROUNDING = 8.0 * float(np.finfo(np.float32).eps)
 
