@@ -9,10 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..messages import message
-from ..scene import carrier, frame, rest, twin
+from ..scene import carrier, frame, rest, stack, twin
 from ..scene.obstacles import Obstacle
 from ..states import EvaluatedStack, VolumeBinding
 from .binding_rules import BindError
+
+# Part of the largest coordinate up to which Blender's float32 skin and the engine's are the same.
+ROUNDING = 8.0 * float(np.finfo(np.float32).eps)
 
 
 def options(
@@ -20,18 +23,22 @@ def options(
     bound: VolumeBinding,
     inputs: frame.FrameInputs,
     pose_matrices: NDArray[np.float32],
+    *,
+    is_off: bool,
 ) -> dict[str, Any]:
     """Arguments of `VolumeSkin.deform` by which the engine starts from what Blender evaluated, for `target` evaluated.
 
     pose_matrices: (B, 4, 4) of the bones that were bound. Raises frame.FrameError, and BindError where a modifier makes
     other vertices now.
+
+    is_off: our modifier is off in this evaluation, and then Blender evaluates no twins.
     """
     evaluated = bound.evaluated
     assert evaluated is not None
     holder = carrier.carrier_of(target)
     if holder is None or not holder.is_evaluated:
         raise frame.FrameError("The carrier of the character is gone: press Rebind")
-    posed = _read(holder, "pose", bound)
+    posed = _shown(target, bound) if is_off else _read(holder, "pose", bound)
     if evaluated.has_body:
         body = _read(holder, "body", bound)
         asked: dict[str, Any] = {"rest_positions": body}
@@ -40,10 +47,24 @@ def options(
     skinned: NDArray[np.floating] = body
     if len(pose_matrices):
         skinned = bound.body.skinning.deform(body, pose_matrices, inputs.object_from_armature)
-    asked["added_offsets"] = np.subtract(posed, skinned, dtype=np.float64).astype(np.float32)
-    if bound.fleshed is not None:
-        asked["fleshed"] = bound.fleshed
+    added = np.subtract(posed, skinned, dtype=np.float64).astype(np.float32)
+    # What rounding leaves is no deformation, and has no place where its volume was lost.
+    if np.abs(added).max(initial=0.0) > ROUNDING * np.abs(posed).max(initial=0.0):
+        asked["added_offsets"] = added
+        if bound.fleshed is not None:
+            asked["fleshed"] = bound.fleshed
     return asked
+
+
+def _shown(target: bpy.types.Object, bound: VolumeBinding) -> NDArray[np.float32]:
+    """(N, 3) what the viewport shows without ours, where that is what ours would start from."""
+    assert bound.evaluated is not None
+    modifiers = list(target.modifiers)
+    ours = stack.volume_modifier(target)
+    is_last = ours is not None and not any(map(stack.is_on, modifiers[modifiers.index(ours) + 1 :]))
+    if bound.evaluated.has_body or not is_last or len(target.data.vertices) != bound.body.vertex_count:
+        raise frame.FrameError("Turgor Volume is off: turn it on to see its figures for this stack")
+    return rest.read_positions(target.data)
 
 
 def _read(holder: bpy.types.Object, part: twin.Part, bound: VolumeBinding) -> NDArray[np.float32]:

@@ -56,8 +56,8 @@ class Request(NamedTuple):
     saved: settings.BodySettings
 
 
-def read(target: bpy.types.Object, character: VolumeState, bound: VolumeBinding) -> Request:
-    """Read what the engine needs for one frame from the evaluated `target`.
+def read(target: bpy.types.Object, character: VolumeState, bound: VolumeBinding, *, is_off: bool = False) -> Request:
+    """Read what the engine needs for one frame from the evaluated `target`. is_off: our modifier is off there.
 
     Raises frame.FrameError, another ValueError or turgor.TurgorError, which say why it cannot be read.
     """
@@ -76,7 +76,7 @@ def read(target: bpy.types.Object, character: VolumeState, bound: VolumeBinding)
     if len(inputs.shape_values) and (bound.evaluated is None or not bound.evaluated.has_body):
         options["shape_values"] = inputs.shape_values
     if bound.evaluated is not None:
-        options |= evaluated_frame.options(target, bound, inputs, pose_matrices)
+        options |= evaluated_frame.options(target, bound, inputs, pose_matrices, is_off=is_off)
     elif (
         bound.fleshed is not None and (added := spine_frame.added_offsets(target, bound.body.vertex_count)) is not None
     ):
@@ -106,7 +106,7 @@ def observe(target: bpy.types.Object) -> None:
         return
     bound = character.binding
     try:
-        asked = read(target, character, bound)
+        asked = read(target, character, bound, is_off=True)
     except Exception:  # said in the panel when the modifier is on
         character.measure = character.inspect = None
         return

@@ -25,7 +25,8 @@ def look(ob: bpy.types.Object) -> OverlayFrame | None:
     bound = character.binding
     target = ob.evaluated_get(bpy.context.view_layer.depsgraph)
     try:
-        asked = frame.read(target, character, bound)
+        ours = stack.volume_modifier(target)
+        asked = frame.read(target, character, bound, is_off=ours is None or not ours.show_viewport)
         strength = _strength(target, is_evaluated=bound.evaluated is not None)
     except ValueError:  # the frame itself says so, in the panel
         return None

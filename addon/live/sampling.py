@@ -142,8 +142,9 @@ class Watched:
                 self._first, self._first_added = sample.pose_matrices, sample.added_offsets
             if not self.has_moved:
                 self.has_moved = _differ(sample.pose_matrices, self._first)
-            if not self.has_moved and sample.added_offsets is not None and self._first_added is not None:
-                self.has_moved = _differ(sample.added_offsets, self._first_added)
+            added, first = sample.added_offsets, self._first_added
+            if not self.has_moved and added is not None:
+                self.has_moved = first is None or _differ(added, first)
             yield sample
 
 

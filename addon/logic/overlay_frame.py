@@ -92,7 +92,9 @@ class OverlayFrame:
 
     @property
     def _rest_positions(self) -> NDArray[np.float64]:
-        """(N, 3) with the frame's shape keys."""
+        """(N, 3) the body of the frame, with its shape keys."""
+        if (body := self._options.get("rest_positions")) is not None:
+            return np.asarray(body, np.float64)
         rest = self.rest.positions.astype(np.float64)
         values = self._options.get("shape_values")
         if values is None or not np.any(values):
@@ -104,6 +106,8 @@ class OverlayFrame:
     def _posed_apexes(self) -> NDArray[np.float64]:
         maps = self._object_maps()
         bones = self.rest.vertex_bones
+        if not len(maps):
+            return np.full_like(self.rest.apexes, np.nan)
         return np.einsum("nij,nj->ni", maps[bones, :3, :3], self.rest.apexes) + maps[bones, :3, 3]
 
     def _object_maps(self) -> NDArray[np.float64]:

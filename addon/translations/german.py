@@ -1094,4 +1094,7 @@ TEXTS: dict[str, str] = {
         "Korrekturschlüssel können einem Stapel nicht folgen, der gelesen wird, wie Blender ihn auswertet"
         " ({reason}): absolute Schlüssel oder einen Punktcache wählen oder USD oder Alembic exportieren"
     ),
+    "Turgor Volume is off: turn it on to see its figures for this stack": (
+        "Turgor Volume ist aus: einschalten, um seine Zahlen für diesen Stapel zu sehen"
+    ),
 }

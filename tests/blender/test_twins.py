@@ -354,3 +354,31 @@ def test_a_rendered_animation_sees_scripts_edits(engine, tmp_path, runtime):
         bpy.app.handlers.frame_change_post.remove(look)
     assert len(errors) == 3
     assert max(errors) < VOLUME_TOLERANCE
+
+
+def test_before_has_figures_where_the_stack_is_known_without_ours(runtime):
+    ob, rest = _smoothed()
+    bpy.context.scene.frame_set(2)
+    volume_modifier(ob).show_viewport = False
+    bpy.context.view_layer.update()
+    bpy.context.scene.frame_set(FRAME)
+    figures = runtime.character(ob.session_uid).figures
+    assert abs(figures.skinned_deviation - 100.0 * (volume(ob) / rest - 1.0)) < 1e-4
+    assert abs(figures.skinned_deviation) > 1.0
+    assert runtime.session.look(ob) is not None
+    new(ob, "SMOOTH", iterations=2)
+    bpy.context.view_layer.update()
+    bpy.context.scene.frame_set(FRAME + 1)
+    assert runtime.character(ob.session_uid).figures is None
+    assert runtime.session.look(ob) is None
+
+
+def test_strain_of_a_body_without_bones_is_unknown(runtime):
+    ob, _ = character()
+    ob.modifiers.clear()
+    KINDS["lattice"](ob)
+    add_turgor(ob)
+    bpy.context.scene.frame_set(FRAME)
+    look = runtime.session.look(ob)
+    assert np.isnan(look.strain).all()
+    assert np.abs(look.positions - positions(ob)).max() < 1e-5
