@@ -62,8 +62,8 @@ def test_a_shift_changes_no_target_however_far(seed: int, mode: Mode, rig: Rig, 
     assert report.relative_error < 1e-10
 
 
-@given(seeds, modes, rigs, st.floats(0.0, 30.0))
-def test_nor_what_the_skin_is_given(seed: int, mode: Mode, rig: Rig, far: float):
+@given(seeds, modes, rigs, st.floats(0.0, 30.0), st.booleans())
+def test_nor_what_the_skin_is_given(seed: int, mode: Mode, rig: Rig, far: float, keeps_scale: bool):
     """Shape apart from the shift: the same offsets, but for rounding."""
     rng = np.random.default_rng(seed)
     shift = far * rng.normal(size=3)
@@ -72,7 +72,7 @@ def test_nor_what_the_skin_is_given(seed: int, mode: Mode, rig: Rig, far: float)
     # Shifted in the root's space.
     by = turned[ROOT, :3, :3] @ shift
     shifted[[CONTROL, UP, DOWN], :3, 3] += by
-    body = rig.body(mode)
+    body = rig.body(mode, keep_bone_scale=keeps_scale)
     limb = slice(0, len(rig.surface.positions) // 2)
     before, after = body.deform(turned).positions[limb], body.deform(shifted).positions[limb]
     np.testing.assert_allclose(after - by, before, atol=1e-5)

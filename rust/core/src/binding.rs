@@ -16,6 +16,8 @@ use crate::numeric::csr::Csr;
 use crate::numeric::lanes::{self, V4};
 use crate::skinning::bases::bases;
 use crate::skinning::blend::{Influences, Skinning};
+use crate::skinning::cut_chains::{Hanging, Weighted};
+use crate::skinning::hung_joints::hung_joints;
 use crate::skinning::joint_tree::JointTree;
 use crate::skinning::motions::Motions;
 use crate::skinning::sites::Sites;
@@ -79,7 +81,10 @@ impl Binding {
         let centred: Vec<DVec3> = rest.iter().map(|&p| p - rest_centre).collect();
         let in_armature: Vec<DVec3> = centred.iter().map(|&p| armature_from_rest.transform_point3(p)).collect();
         let areas = vertex_areas(topology, &in_armature);
-        let tree = JointTree::new(&skinning.skeleton, &skinning.influences, &in_armature, &areas);
+        let bones = Weighted::new(&skinning.skeleton, &skinning.influences, &in_armature, &areas);
+        let hanging = Hanging::new(&bones);
+        let tree = JointTree::new(&bones, &hanging);
+        let hung = hung_joints(&tree, &bones, &hanging);
         let influences = on_joints(&skinning.influences, skinning.skeleton.len(), &tree);
         let bones_of_point = bones_of_points(topology, &influences, tree.len());
         let face_joints = FaceJoints::new(topology, &bones_of_point, &tree);
@@ -115,7 +120,7 @@ impl Binding {
             component_of_vertex,
             masses: masses(&influences, &centred, tree.len()),
             size: in_armature.iter().map(|p| p.distance(armature_from_rest.translation)).fold(0.0, f64::max),
-            motions: Motions::new(tree, bases, skinning.skeleton.rest(), skinning.mode),
+            motions: Motions::new(tree, hung, bases, skinning.skeleton.rest(), skinning.mode),
             shape_deltas: deltas_of_sites,
             radius: centred.iter().map(|p| p.length()).fold(0.0, f64::max),
             shape_radii: shape_deltas.iter().map(|deltas| deltas.iter().map(|d| d.length()).fold(0.0, f64::max)).collect(),

@@ -7,7 +7,7 @@ use crate::skinning::motions::Motions;
 pub(crate) fn hand_on(jobs: &[Job], motions: &Motions, changes: &mut [Change]) {
     let mut handed_on: Vec<(usize, f64)> = Vec::new();
     let handed = &motions.handed_on;
-    for ((hung, &kept), parts) in motions.tree.hung.iter().zip(&handed.kept).zip(&handed.parts).filter(|((_, kept), _)| **kept < 1.0) {
+    for ((hung, &kept), parts) in motions.hung.iter().zip(&handed.kept).zip(&handed.parts).filter(|((_, kept), _)| **kept < 1.0) {
         let first = jobs.partition_point(|job| job.joint < u32::from(hung.joint));
         let own = jobs[first..].iter().take_while(|job| job.joint == u32::from(hung.joint));
         for (job, own) in (first..).zip(own) {

@@ -84,8 +84,9 @@ impl LossPlan {
             let volume = |motion: usize| moved_volume(motions.palette.alone(motion), moment);
             let [whole, carrier, unturned] = std::array::from_fn(|place| volume(base.first_motion + place));
             if let Some(job) = find_job(&self.jobs, base.members[0].0, base.component) {
-                let intent = unturned - volume(base.top) + whole - carrier;
-                changes[job as usize].join(&Change { intent, loss: unturned - carrier });
+                let before = volume(base.top);
+                let intent = if motions.keeps_intent { unturned - before + whole - carrier } else { 0.0 };
+                changes[job as usize].join(&Change { intent, loss: before + intent - whole });
             }
         }
     }

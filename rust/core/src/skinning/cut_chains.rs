@@ -17,25 +17,58 @@ const SAME_PLACE: f64 = 1e-3;
 
 /// Skin that two bones of different trees share: how much, and its moment.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Shared {
+pub(crate) struct Shared {
     pub amount: f64,
     moment: DVec3,
 }
 
 /// What the weights say of the bones.
-pub(super) struct Weighted<'a> {
+pub(crate) struct Weighted<'a> {
     pub skeleton: &'a Skeleton,
     pub influences: &'a Influences,
-    /// Weight of each bone, and of the world.
-    pub masses: &'a [f64],
     /// Vertices in armature space, with their areas.
     pub rest: &'a [DVec3],
     pub areas: &'a [f64],
+    /// Weight of each bone, and of the world, and its moment.
+    pub masses: Vec<f64>,
+    pub moments: Vec<DVec3>,
+    /// Diagonal of the box around all vertices.
     pub size: f64,
 }
 
+impl<'a> Weighted<'a> {
+    /// `rest`: vertices in armature space; `areas`: of each.
+    pub fn new(skeleton: &'a Skeleton, influences: &'a Influences, rest: &'a [DVec3], areas: &'a [f64]) -> Self {
+        let mut masses = vec![0.0; skeleton.len() + 1];
+        let mut moments = vec![DVec3::ZERO; skeleton.len() + 1];
+        for (vertex, &p) in rest.iter().enumerate() {
+            let (bones, weights) = influences.of(vertex);
+            for (&bone, &weight) in bones.iter().zip(weights) {
+                masses[bone as usize] += weight;
+                moments[bone as usize] += p * weight;
+            }
+        }
+        let low = rest.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = rest.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let size = if rest.is_empty() { 0.0 } else { (high - low).length() };
+        Self { skeleton, influences, rest, areas, masses, moments, size }
+    }
+
+    /// Whether the head of `a` lies nearer to a blend than that of `b`; of two at one place, that of less skin.
+    fn is_nearer(&self, a: u32, b: u32, shared: &Shared) -> bool {
+        let place = shared.moment / shared.amount;
+        let distance = |bone: u32| self.skeleton.head(bone).distance(place);
+        let (of_a, of_b) = (distance(a), distance(b));
+        if (of_a - of_b).abs() > SAME_PLACE * self.size {
+            return of_a < of_b;
+        }
+        let by_mass = self.masses[a as usize].total_cmp(&self.masses[b as usize]);
+        by_mass.then(of_a.total_cmp(&of_b)).then(a.cmp(&b)) == Ordering::Less
+    }
+}
+
 /// Above each bone, the nearest that carries weight; chains that are cut are put together.
-pub(super) struct Hanging {
+pub(crate) struct Hanging {
     pub parents: Vec<Option<u32>>,
     pub is_hung: Vec<bool>,
     /// Skin shared by bones whose chains are cut apart, under both orders.
@@ -44,7 +77,7 @@ pub(super) struct Hanging {
 
 impl Hanging {
     pub fn new(bones: &Weighted) -> Self {
-        let Weighted { skeleton, masses, .. } = *bones;
+        let Weighted { skeleton, masses, .. } = bones;
         let count = skeleton.len() as u32;
         let is_weighted = |bone: u32| masses[bone as usize] > 0.0;
         let parents: Vec<Option<u32>> = (0..count).map(|bone| skeleton.ancestors(bone).find(|&ancestor| is_weighted(ancestor))).collect();
@@ -81,7 +114,7 @@ impl Hanging {
 
     /// Bones of other trees that lie where the nearest ancestor of a root lies that has such.
     fn by_place(&self, bones: &Weighted, roots: &[u32], tree_of: &[u32]) -> Vec<Candidate> {
-        let Weighted { skeleton, masses, size, .. } = *bones;
+        let Weighted { skeleton, masses, size, .. } = bones;
         let near = SAME_PLACE * size;
         let mut in_order: Vec<u32> = (0..skeleton.len() as u32).filter(|&bone| masses[bone as usize] > 0.0).collect();
         in_order.sort_by(|&a, &b| skeleton.head(a).x.total_cmp(&skeleton.head(b).x));
@@ -135,20 +168,6 @@ impl Hanging {
             self.parents[root as usize] = Some(onto);
             self.is_hung[root as usize] = true;
         }
-    }
-}
-
-impl Weighted<'_> {
-    /// Whether the head of `a` lies nearer to a blend than that of `b`; of two at one place, that of less skin.
-    fn is_nearer(&self, a: u32, b: u32, shared: &Shared) -> bool {
-        let place = shared.moment / shared.amount;
-        let distance = |bone: u32| self.skeleton.head(bone).distance(place);
-        let (of_a, of_b) = (distance(a), distance(b));
-        if (of_a - of_b).abs() > SAME_PLACE * self.size {
-            return of_a < of_b;
-        }
-        let by_mass = self.masses[a as usize].total_cmp(&self.masses[b as usize]);
-        by_mass.then(of_a.total_cmp(&of_b)).then(a.cmp(&b)) == Ordering::Less
     }
 }
 

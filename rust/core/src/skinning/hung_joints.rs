@@ -4,8 +4,11 @@
 //! with the chest as the arm turns: it moves against what it hangs on, but it is the arm that turns. So a joint that moves
 //! like a bone with which it blends, or like the bone above all of them, hands its loss on to the joints between.
 
+use std::collections::HashSet;
+
 use glam::{DAffine3, DMat3, DVec3};
 
+use crate::skinning::cut_chains::{Hanging, Weighted};
 use crate::skinning::joint_tree::JointTree;
 
 /// A bone that shares less than this part of a joint's blends is none to compare it with.
@@ -17,14 +20,14 @@ const TAKERS_MIN: f64 = 0.1;
 
 /// How much skin, its centre, and its second moments about it.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Blend {
+struct Blend {
     amount: f64,
     centre: DVec3,
     second: DMat3,
 }
 
 impl Blend {
-    pub fn new(skin: &[(f64, DVec3)]) -> Self {
+    fn new(skin: &[(f64, DVec3)]) -> Self {
         let amount: f64 = skin.iter().map(|s| s.0).sum();
         let centre = skin.iter().map(|&(amount, p)| p * amount).sum::<DVec3>() / amount.max(f64::MIN_POSITIVE);
         let outer = |v: DVec3| DMat3::from_cols(v * v.x, v * v.y, v * v.z);
@@ -71,14 +74,14 @@ pub(crate) struct HungJoint {
 
 impl HungJoint {
     /// `shared`: joints of other trees with which it shares skin, and how much; `above`: the bone above it and what it hangs on.
-    pub(super) fn new(tree: &JointTree, joint: usize, blend: Blend, shared: &[(usize, f64)], above: Option<u32>) -> Option<Self> {
+    fn new(tree: &JointTree, joint: usize, blend: Blend, shared: &[(usize, f64)], above: Option<u32>) -> Option<Self> {
         let onto = tree.parent(joint)?;
         let whole: f64 = shared.iter().map(|s| s.1).sum();
         let mut result = Self { joint: joint as u16, between: Vec::new(), blend, others: Vec::new() };
         let below = joint..usize::from(tree.ends[joint]);
         for &(other, amount) in shared.iter().filter(|s| s.0 != onto && !below.contains(&s.0) && s.1 >= SHARE_MIN * whole) {
             let top = tree.common_ancestor(onto, other);
-            let path = tree.chain(onto).chain(tree.chain(other)).filter(|&j| j != top && tree.chain(top).all(|above| above != j));
+            let path = [onto, other].into_iter().flat_map(|joint| tree.chain(joint).take_while(|&j| j != top));
             result.push(Like::Joint(other as u16), amount / whole, path);
         }
         // Not further down: a foot that is planted stands still too, and its ankle loses all the same.
@@ -132,6 +135,53 @@ impl HungJoint {
     }
 }
 
+/// All hung joints that may move like something else than what they hang on, in the order of joints.
+pub(crate) fn hung_joints(tree: &JointTree, bones: &Weighted, hanging: &Hanging) -> Vec<HungJoint> {
+    let is_hung = &tree.is_hung;
+    if !is_hung.contains(&true) {
+        return Vec::new();
+    }
+    let mut joint_of: Vec<usize> = vec![tree.world(); bones.skeleton.len() + 1];
+    let mut first_of: Vec<usize> = Vec::with_capacity(tree.len());
+    for (joint, &bone) in tree.bones.iter().enumerate() {
+        joint_of[bone as usize] = joint;
+        let above = tree.parent(joint).filter(|_| !is_hung[joint]);
+        first_of.push(above.map_or(joint, |above| first_of[above]));
+    }
+    // A chain's first joint is compared by its own skin where that blends, else by that of its chain.
+    let mut blends_itself = vec![false; tree.len()];
+    for (a, _) in hanging.shared.keys() {
+        blends_itself[joint_of[*a as usize]] = true;
+    }
+    let compared_of = |joint: usize| if blends_itself[first_of[joint]] { joint } else { first_of[joint] };
+    let mut shared = vec![Vec::new(); tree.len()];
+    for (&(a, b), of_both) in &hanging.shared {
+        shared[compared_of(joint_of[a as usize])].push((joint_of[b as usize], of_both.amount));
+    }
+    let mut skin = vec![Vec::new(); tree.len()];
+    for (vertex, (&p, area)) in bones.rest.iter().zip(bones.areas).enumerate() {
+        let (row, weights) = bones.influences.of(vertex);
+        let joints = || row.iter().zip(weights).map(|(&bone, weight)| (joint_of[usize::from(bone)], weight)).filter(|j| j.0 < tree.len());
+        for (joint, weight) in joints() {
+            let compared = compared_of(joint);
+            let others: f64 = joints().filter(|j| first_of[j.0] != first_of[joint]).map(|j| j.1).sum();
+            if is_hung[compared] && others > 0.0 {
+                skin[compared].push((weight * others * area, p));
+            }
+        }
+    }
+    let hung_joint = |joint: usize| {
+        let shared = &mut shared[joint];
+        shared.sort_by_key(|s| s.0);
+        let shared: Vec<(usize, f64)> =
+            shared.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, same.iter().map(|s| s.1).sum())).collect();
+        let above_onto: HashSet<u32> = bones.skeleton.ancestors(tree.bones[tree.parent(joint)?]).collect();
+        let above = bones.skeleton.ancestors(tree.bones[joint]).find(|bone| above_onto.contains(bone));
+        HungJoint::new(tree, joint, Blend::new(&skin[joint]), &shared, above)
+    };
+    (0..tree.len()).filter(|&joint| is_hung[joint]).filter_map(hung_joint).collect()
+}
+
 /// What each hung joint hands on in one frame.
 #[derive(Debug, Clone)]
 pub(crate) struct HandedOn {
@@ -149,18 +199,18 @@ impl HandedOn {
     }
 
     /// Continuous in the pose. Nobody is given what is not its own either: the order of joints means nothing.
-    pub(super) fn set(&mut self, tree: &JointTree, channels: &[DAffine3], pose: &[DAffine3]) {
-        for ((hung, own), parts) in tree.hung.iter().zip(&mut self.own).zip(&mut self.parts) {
+    pub(super) fn set(&mut self, tree: &JointTree, hung_joints: &[HungJoint], channels: &[DAffine3], pose: &[DAffine3]) {
+        for ((hung, own), parts) in hung_joints.iter().zip(&mut self.own).zip(&mut self.parts) {
             *own = hung.own_part(tree, channels, pose, parts);
         }
-        for (index, (hung, parts)) in tree.hung.iter().zip(&mut self.parts).enumerate() {
+        for (index, (hung, parts)) in hung_joints.iter().zip(&mut self.parts).enumerate() {
             self.kept[index] = 1.0;
             let all: f64 = parts.iter().sum();
             if self.own[index] == 1.0 || all == 0.0 {
                 continue;
             }
             for (part, joint) in parts.iter_mut().zip(&hung.between) {
-                let taker = tree.hung.binary_search_by_key(joint, |other| other.joint);
+                let taker = hung_joints.binary_search_by_key(joint, |other| other.joint);
                 *part *= taker.map_or(1.0, |taker| self.own[taker]) / all;
             }
             let takers = eased((parts.iter().sum::<f64>() / TAKERS_MIN).min(1.0));

@@ -3,10 +3,7 @@
 use glam::DVec3;
 
 use crate::numeric::csr::Csr;
-use crate::skinning::blend::Influences;
 use crate::skinning::cut_chains::{Hanging, Weighted};
-use crate::skinning::hung_joints::{Blend, HungJoint};
-use crate::skinning::skeleton::Skeleton;
 
 /// Shorter than this part of the mesh's size is no direction.
 const DIRECTION_MIN: f64 = 1e-6;
@@ -32,30 +29,16 @@ pub(crate) struct JointTree {
     pub bodies: Vec<u16>,
     /// Per bone, whether it is a segment of the one above.
     pub is_segment: Vec<bool>,
-    /// Those of them that may move like something else than what they hang on.
-    pub hung: Vec<HungJoint>,
     /// Bones that carry no weight between each joint and the one above, from above, and then the joint's own.
     pub links: Csr<u32>,
 }
 
 impl JointTree {
-    /// Joints of the bones that carry weight. `rest` are the vertices in armature space, with their `areas`.
-    ///
-    /// A weighted bone hangs on its nearest weighted ancestor; one that has none as `cut_chains` says.
-    pub fn new(skeleton: &Skeleton, influences: &Influences, rest: &[DVec3], areas: &[f64]) -> Self {
+    /// Joints of the bones that carry weight. Each hangs on its nearest weighted ancestor, else as `cut_chains` says.
+    pub fn new(bones: &Weighted, hanging: &Hanging) -> Self {
+        let Weighted { skeleton, masses, moments, .. } = bones;
+        let Hanging { parents, is_hung, .. } = hanging;
         let world = skeleton.len();
-        let mut masses = vec![0.0; world + 1];
-        let mut moments = vec![DVec3::ZERO; world + 1];
-        for (vertex, &p) in rest.iter().enumerate() {
-            let (bones, weights) = influences.of(vertex);
-            for (&bone, &weight) in bones.iter().zip(weights) {
-                masses[bone as usize] += weight;
-                moments[bone as usize] += p * weight;
-            }
-        }
-        let weighted = Weighted { skeleton, influences, masses: &masses, rest, areas, size: size_of(rest) };
-        let hanging = Hanging::new(&weighted);
-        let Hanging { parents, is_hung, .. } = &hanging;
         let mut children = vec![Vec::new(); world + 1];
         for bone in 0..world {
             if masses[bone] > 0.0 {
@@ -72,7 +55,6 @@ impl JointTree {
             is_hung: Vec::new(),
             bodies: Vec::new(),
             is_segment: skeleton.is_segment.clone(),
-            hung: Vec::new(),
             links: Csr::default(),
         };
         // Joints turn in this order: where chains are cut it follows from what hangs there, not from numbers of bones.
@@ -102,55 +84,8 @@ impl JointTree {
                 tree.ends[parent] = tree.ends[parent].max(tree.ends[joint]);
             }
         }
-        tree.find_directions(&masses, &moments, weighted.size * DIRECTION_MIN);
-        tree.hung = tree.hung_joints(&weighted, &hanging);
+        tree.find_directions(masses, moments, bones.size * DIRECTION_MIN);
         tree
-    }
-
-    fn hung_joints(&self, weighted: &Weighted, hanging: &Hanging) -> Vec<HungJoint> {
-        let Weighted { skeleton, influences, rest, areas, .. } = *weighted;
-        let is_hung: Vec<usize> = (0..self.len()).filter(|&joint| self.is_hung[joint]).collect();
-        if is_hung.is_empty() {
-            return Vec::new();
-        }
-        let mut joint_of: Vec<usize> = vec![self.world(); skeleton.len() + 1];
-        for (joint, &bone) in self.bones.iter().enumerate() {
-            joint_of[bone as usize] = joint;
-        }
-        // Joints of each chain, and per joint what it shares with those of others.
-        let chain_of: Vec<usize> = (0..self.len())
-            .map(|joint| self.chain(joint).find(|&j| self.is_hung[j] || self.parent(j).is_none()).unwrap_or(joint))
-            .collect();
-        let mut blends = vec![Vec::new(); self.len()];
-        for (&(a, b), shared) in &hanging.shared {
-            blends[joint_of[a as usize]].push((joint_of[b as usize], shared.amount));
-        }
-        // A chain's first joint is compared by its own skin where that blends, else by that of its chain.
-        let compared_of = |joint: usize| if blends[chain_of[joint]].is_empty() { chain_of[joint] } else { joint };
-        let mut skin = vec![Vec::new(); self.len()];
-        for (vertex, (&p, area)) in rest.iter().zip(areas).enumerate() {
-            let (bones, weights) = influences.of(vertex);
-            let joints =
-                || bones.iter().zip(weights).map(|(&bone, weight)| (joint_of[usize::from(bone)], weight)).filter(|j| j.0 < self.len());
-            for (joint, weight) in joints() {
-                let compared = compared_of(joint);
-                let others: f64 = joints().filter(|j| chain_of[j.0] != chain_of[joint]).map(|j| j.1).sum();
-                if self.is_hung[compared] && others > 0.0 {
-                    skin[compared].push((weight * others * area, p));
-                }
-            }
-        }
-        let hung_joint = |&joint: &usize| {
-            let mut shared: Vec<(usize, f64)> =
-                (0..self.len()).filter(|&j| chain_of[j] == joint && compared_of(j) == joint).flat_map(|j| blends[j].clone()).collect();
-            shared.sort_by_key(|s| s.0);
-            let shared: Vec<(usize, f64)> =
-                shared.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, same.iter().map(|s| s.1).sum())).collect();
-            let (bone, onto) = (self.bones[joint], self.bones[self.parent(joint)?]);
-            let above = skeleton.ancestors(bone).find(|&ancestor| skeleton.ancestors(onto).any(|other| other == ancestor));
-            HungJoint::new(self, joint, Blend::new(&skin[joint]), &shared, above)
-        };
-        is_hung.iter().filter_map(hung_joint).collect()
     }
 
     /// `shortest`: less is no direction.
@@ -261,11 +196,4 @@ impl JointTree {
         }
         a
     }
-}
-
-/// Diagonal of the box around all vertices.
-fn size_of(rest: &[DVec3]) -> f64 {
-    let low = rest.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = rest.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-    if rest.is_empty() { 0.0 } else { (high - low).length() }
 }

@@ -2,7 +2,7 @@
 
 pub(crate) mod bases;
 pub(crate) mod blend;
-mod cut_chains;
+pub(crate) mod cut_chains;
 pub(crate) mod dual_quaternion;
 pub(crate) mod hung_joints;
 pub(crate) mod joint_tree;

@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use crate::skinning::bases::{Base, mean};
 use crate::skinning::blend::{Mode, Palette};
-use crate::skinning::hung_joints::HandedOn;
+use crate::skinning::hung_joints::{HandedOn, HungJoint};
 use crate::skinning::joint_tree::JointTree;
 
 /// Stretch and shift below this are the noise of single-precision matrices, not the animator's intent.
@@ -22,7 +22,10 @@ pub(crate) struct Motions {
     pub has_intent: Vec<bool>,
     /// Joints that do exactly what their parent does.
     pub is_still: Vec<bool>,
+    pub hung: Vec<HungJoint>,
     pub handed_on: HandedOn,
+    /// Whether shift and stretch are intent at all.
+    pub keeps_intent: bool,
     bases: Vec<Base>,
     /// Per base, for each member whether it is stretched and shifted against it; empty where the base does what `top` does.
     members_have_intent: Vec<Vec<bool>>,
@@ -33,7 +36,7 @@ pub(crate) struct Motions {
 
 impl Motions {
     /// `rest`: rest matrix of each bone.
-    pub fn new(tree: JointTree, bases: Vec<Base>, rest: &[DAffine3], mode: Mode) -> Self {
+    pub fn new(tree: JointTree, hung: Vec<HungJoint>, bases: Vec<Base>, rest: &[DAffine3], mode: Mode) -> Self {
         let count = tree.len();
         let motion_count = 2 * count + 1 + bases.iter().map(Base::motion_count).sum::<usize>();
         let bone_heads = rest.iter().map(|m| m.translation).collect();
@@ -43,7 +46,9 @@ impl Motions {
             channels: vec![DAffine3::IDENTITY; count + 1],
             has_intent: vec![false; count],
             is_still: vec![true; count],
-            handed_on: HandedOn::new(&tree.hung),
+            handed_on: HandedOn::new(&hung),
+            hung,
+            keeps_intent: true,
             members_have_intent: vec![Vec::new(); bases.len()],
             bases,
             rest,
@@ -159,7 +164,7 @@ impl Motions {
         for (place, (motion, _)) in motions.iter().enumerate() {
             self.palette.set(first + place, &rest, motion, Some(above));
         }
-        self.members_have_intent[index] = motions[3..].iter().map(|m| m.1).collect();
+        self.members_have_intent[index] = motions[3..].iter().map(|m| m.1 && self.keeps_intent).collect();
         // However far a shell turns against the joint above, its joints' rotations lie on the side of its own.
         for place in 0..self.bases[index].members.len() {
             let joint = self.bases[index].members[place].0;
@@ -191,12 +196,11 @@ impl Motions {
                 self.palette.set(index, &self.rest[joint], &stretched, Some(above));
             }
         }
+        self.keeps_intent = keep_bone_scale;
         for index in 0..self.bases.len() {
-            if keep_bone_scale {
-                self.set_base(index, pose, size);
-            }
+            self.set_base(index, pose, size);
         }
-        self.handed_on.set(&self.tree, &self.channels, pose);
+        self.handed_on.set(&self.tree, &self.hung, &self.channels, pose);
     }
 }
 
