@@ -21,7 +21,7 @@ from ..properties.joint import BLEND_NAMES
 from ..properties.profiles import PRESET_NAMES
 from ..scene import frame, settings
 from ..states import SettledEngine, VolumeBinding, VolumeState
-from . import joint_names
+from . import joint_names, twins
 
 _marks = count(1)
 
@@ -29,11 +29,12 @@ _marks = count(1)
 def settled(target: bpy.types.Object, character: VolumeState, bound: VolumeBinding) -> SettledEngine:
     """Read the settings of the evaluated `target` and make its engine, or return those of the last frame if unchanged.
 
-    Raises frame.FrameError where nothing poses it.
+    Raises frame.FrameError where nothing poses it, and twin.StepError where it is not as it was bound.
     """
     last = character.settled
     if last is not None and last.mark == target.turgor.settled and last.bound is bound:
         return last
+    twins.check(target, character, bound)
     armature = frame.armature_place(target)
     saved = settings.read_settings(target)
     engine, strengths = engine_of(target, saved, bound)

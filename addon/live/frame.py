@@ -61,7 +61,8 @@ def read(target: bpy.types.Object, character: VolumeState, bound: VolumeBinding,
 
     Raises frame.FrameError, another ValueError or turgor.TurgorError, which say why it cannot be read.
     """
-    twins.check(target, character, bound)
+    if bound.evaluated is not None:
+        twins.check(target, character, bound)
     now = engines.settled(target, character, bound)
     rig = None if now.armature is None else target.modifiers[now.armature].object
     inputs = frame.read_inputs(target, rig, bound.bones)
