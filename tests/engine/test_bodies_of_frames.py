@@ -185,11 +185,9 @@ def test_bodies_of_another_shape_are_refused_by_name():
     with pytest.raises(turgor.TurgorError, match=r"rest_positions: need float32 \(N, 3\)"):
         skin.deform(poses[0], rest_positions=body[:, :2])
     for name in ("rest_positions", "added_offsets"):
+        too_many: dict[str, Any] = {name: np.stack([body] * 3)}
+        too_few: dict[str, Any] = {name: body[:3]}
         with pytest.raises(turgor.TurgorError, match=rf"{name}: need float32 \(N, 3\) or \(2, N, 3\)"):
-            skin.deform_many(poses, **_given(name, np.stack([body] * 3)))
+            skin.deform_many(poses, **too_many)
         with pytest.raises(turgor.TurgorError, match=f"frame 0: {name}: found 3 values"):
-            skin.measure(poses, **_given(name, body[:3]))
-
-
-def _given(name: str, values: np.ndarray) -> dict[str, Any]:
-    return {name: values}
+            skin.measure(poses, **too_few)

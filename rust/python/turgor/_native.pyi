@@ -280,9 +280,9 @@ class VolumeSkin:
         strengths: (B,) strength of the joint of each bone in place of its setting (keyed strengths).
         target_scale: factor on the target volume (breathing), above 0, up to 1e9.
         added_offsets: (N, 3) float32, object space: what another deformer adds to the skin before its volume is looked
-        at; `Frame.skinned` has it. The volume that it takes is given back where it was lost (MATH 9): by joints in whose
-        vicinity that is, the rest by the skin itself. fleshed: (B,) bones whose flesh that deformer moves, exact in
-        place: what skinning loses at their joints is not missing.
+        at; `Frame.skinned` has it. The volume that it takes is given back where it was lost (MATH 9): by joints in
+        whose vicinity that is, the rest by the skin itself. fleshed: (B,) bones whose flesh that deformer moves, exact
+        in place: what skinning loses at their joints is not missing.
 
         repair_folds: a *fold* is a pair of triangles that pass through each other when corrected, and did not when
         skinned; quads are cut from their first corner to the third, larger faces by their ears. Vertices of folds back
@@ -355,8 +355,8 @@ class VolumeSkin:
     ) -> Measures:
         """Figures of many poses, many at once: the same bits as `deform` gives one by one.
 
-        pose_matrices: (F, B, 4, 4). fleshed: as in `deform`, the same for all frames. The others as in `deform`, the same
-        for all frames or with a first axis of F: rest_positions and added_offsets (N, 3) or (F, N, 3).
+        pose_matrices: (F, B, 4, 4). fleshed: as in `deform`, the same for all frames. The others as in `deform`, the
+        same for all frames or with a first axis of F: rest_positions and added_offsets (N, 3) or (F, N, 3).
         Raises TurgorError as `deform`, for the first frame that is refused. Releases the GIL.
         """
     def deform_many(
