@@ -82,7 +82,7 @@ def _refusal(ob: bpy.types.Object) -> str | None:
         reason = message("The object has Turgor Volume already")
     if reason is None and (found := obstacles.obstacle(ob)) is not None:
         reason = found.text
-    return reason or modifier_places.refusal(ob, housekeeping.place_for_new(ob), node_group.VOLUME.label)
+    return reason or modifier_places.refusal(ob, stack.place_for_new(ob), node_group.VOLUME.label)
 
 
 def draw(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
