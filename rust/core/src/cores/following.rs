@@ -414,7 +414,9 @@ mod tests {
         }
         for face in topology.faces.rows() {
             let part = crate::surface::volume::face_area_vector(&places, face).length() / face.len() as f64;
-            face.iter().for_each(|&point| rest.areas[patches.slot_of_point[point as usize] as usize] += part);
+            for &point in face {
+                rest.areas[patches.slot_of_point[point as usize] as usize] += part;
+            }
             rest.faces.push_row(face.iter().map(|&point| patches.slot_of_point[point as usize]));
         }
         let mut slots = patches.slot_of_point.clone();
