@@ -47,9 +47,15 @@ def _several(name: str, fix: str, names: Sequence[str]) -> Message | None:
             count=count,
             names=first,
         )
+    if name == "simulation":
+        return message(
+            "{count} modifiers simulate before Turgor Volume: {names}; move them after it", count=count, names=first
+        )
     if name == "moving_modifier":
         return message(
-            "{count} modifiers can move the mesh before ours: {names}; move them after Turgor", count=count, names=first
+            "{count} modifiers can change the mesh from frame to frame before ours: {names}; move them after Turgor",
+            count=count,
+            names=first,
         )
     if name == "shape_key_modifier":
         return message(

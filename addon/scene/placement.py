@@ -47,6 +47,8 @@ def is_elsewhere(
 
     now, bound: object_from_armature. box: `corners` of the mesh.
     """
+    if np.linalg.det(now[:3, :3]) == 0.0:
+        return False  # the engine refuses it, and says why
     before, after = (box @ m[:3, :3].T + m[:3, 3] for m in (np.linalg.inv(bound), np.linalg.inv(now)))
     size = np.linalg.norm(before[7] - before[0])
     far = max(target.matrix_world.translation.length / max(target.matrix_world.median_scale, 1e-30), 1e-30)

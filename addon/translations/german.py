@@ -569,8 +569,11 @@ TEXTS: dict[str, str] = {
     "{count} Armature modifiers deform again after Turgor Volume: {names}; move Turgor Volume below them": (
         "{count} Armatur-Modifikatoren verformen nach Turgor Volume nochmals: {names}; Turgor Volume darunter schieben"
     ),
-    "{count} modifiers can move the mesh before ours: {names}; move them after Turgor": (
-        "{count} Modifikatoren können das Netz vor unserem bewegen: {names}; sie hinter Turgor verschieben"
+    "{count} modifiers can change the mesh from frame to frame before ours: {names}; move them after Turgor": (
+        "{count} Modifikatoren können das Netz vor unserem von Bild zu Bild ändern: {names}; sie hinter Turgor schieben"
+    ),
+    "{count} modifiers simulate before Turgor Volume: {names}; move them after it": (
+        "{count} Modifikatoren simulieren vor Turgor Volume: {names}; sie dahinter schieben"
     ),
     "{count} modifiers before ours change shape keys: {names}; apply them, or move them after Turgor": (
         "{count} Modifikatoren vor unserem ändern Formschlüssel: {names}; sie anwenden oder hinter Turgor verschieben"

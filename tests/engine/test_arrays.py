@@ -37,6 +37,7 @@ FRAME = {
     "object_from_armature": OBJECT,
     "shape_values": np.array([0.5]),
     "strengths": np.array([1.0, 0.5]),
+    "rest_positions": (1.1 * SURFACE.positions).astype(np.float32),
     "added_offsets": np.full((COUNT, 3), 0.01, np.float32),
 }
 FRAMES = {
@@ -45,6 +46,8 @@ FRAMES = {
     "shape_values": np.array([[0.5], [0.1]]),
     "strengths": np.ones((2, 2)),
     "target_scale": np.array([1.0, 1.1]),
+    "rest_positions": np.stack([FRAME["rest_positions"], SURFACE.positions.astype(np.float32)]),
+    "added_offsets": np.stack([FRAME["added_offsets"], 2 * FRAME["added_offsets"]]),
 }
 
 
@@ -141,7 +144,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, np.ndarray]]] = {
     ),
     "VolumeSkin.refinement_need": (
         lambda **a: SKIN.refinement_need(**a).gamma,
-        FRAMES | {"added_offsets": FRAME["added_offsets"]},
+        FRAMES,
     ),
     "correct": (
         lambda **a: turgor.correct(MESH, **a),
