@@ -98,7 +98,7 @@ impl JointTree {
             }
         }
         let (children, members) = (self.children(), self.members());
-        for joint in 0..self.len() {
+        for (joint, own) in members.iter().enumerate() {
             let head = self.heads[joint];
             let mut above = self.parent(joint);
             let mut along = None;
@@ -109,7 +109,6 @@ impl JointTree {
             self.along_parent.push(along);
             let mut reach = DVec3::ZERO;
             let mut mass = 0.0;
-            let own = &members[joint];
             for &child in own.iter().flat_map(|&j| &children[j]).filter(|child| !own.contains(child)) {
                 reach += (self.heads[child] - head) * below[child];
                 mass += below[child];
