@@ -304,7 +304,7 @@ def test_multires_that_comes_later_is_told_and_its_button_says_why_not(runtime):
     names = [modifier.type for modifier in ob.modifiers]
     assert names == ["ARMATURE", "MULTIRES", "NODES"]
     found = next(each for each in runtime.character(ob.session_uid).findings if each.severity == "ERROR")
-    assert found.fix == "MOVE_BELOW_ARMATURE"
+    assert found.fix == "MOVE_ABOVE"
     select([ob])
     is_done, _ = _attempt(bpy.ops.object.turgor_volume_fix, fix=found.fix, subject=found.subject, kind="VOLUME")
     assert not is_done

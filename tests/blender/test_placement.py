@@ -169,10 +169,10 @@ def test_undoing_a_rebind_takes_the_place_of_before(route):
 def test_armature_scaled_to_zero_is_said_and_heals_by_rebind(route, runtime):
     ob, rig = character()
     rest = volume(ob)
+    add_turgor(ob)
     rig.scale = (0.0, 0.0, 0.0)
     bpy.context.view_layer.update()
-    select([ob])
-    bpy.ops.object.turgor_volume_add()
+    bpy.ops.object.turgor_volume_rebind()
     assert "Rebind" in runtime.character(ob.session_uid).problem
     rig.scale = (1.0, 1.0, 1.0)
     bpy.context.view_layer.update()
