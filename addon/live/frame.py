@@ -149,19 +149,22 @@ def _figures(
         found.shown_deviation,
         joints,
         folds,
-        *_computed(uid, character, report, asked),
+        *_computed(uid, character, bound, report, asked),
         found.target_volume,
     )
 
 
 def _computed(
-    uid: int, character: VolumeState, report: turgor.Report, asked: Request
+    uid: int, character: VolumeState, bound: VolumeBinding, report: turgor.Report, asked: Request
 ) -> tuple[NDArray[np.float64] | None, float]:
     """Volumes that the mesh right after ours should have, (K,), where it shows all of what was computed; its reach."""
     target = runtime.object_of(uid, character, bpy.data.objects)
     ours = None if target is None else stack.volume_modifier(target)
-    armature = None if target is None else stack.armature_modifier(target)
-    if ours is None or armature is None or not (ours.show_viewport and armature.show_viewport):
+    if target is None or ours is None or not ours.show_viewport:
+        return None, 0.0
+    # Where Blender evaluates the stack, ours shows what was computed whether an Armature is on, or there, or not.
+    armature = None if bound.evaluated is not None else stack.armature_modifier(target)
+    if armature is not None and not armature.show_viewport:
         return None, 0.0
     is_whole = modifier_inputs.read_input(ours, node_group.STRENGTH) == 1.0
     reach = float(np.abs(asked.options["object_from_armature"][:3, 3]).max())

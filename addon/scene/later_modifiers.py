@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from . import doubles, rest, spine_stack, stack
+from . import doubles, rest, stack
 
 # They show the same body with more vertices.
 SUBDIVIDING = frozenset({"SUBSURF", "MULTIRES"})
@@ -59,9 +59,10 @@ def steps(ob: bpy.types.Object, frame: float) -> Steps:
     """Evaluate the stack at `frame` up to each of `later`. Nothing of the artist's scene is touched."""
     chain = later(ob)
     names = tuple(each.name for each in chain)
-    ours, armature = stack.volume_modifier(ob), stack.armature_modifier(ob)
+    ours = stack.volume_modifier(ob)
     left_out = _left_out(ob, names)
-    bending = {each.name for each in (ours, armature, spine_stack.fleshed_limb(ob)) if each is not None}
+    posing = [each for each in stack.posing_modifiers(ob) if each.type not in stack.STILL_TYPES]
+    bending = {each.name for each in (*posing, ours)}
     posed = [[*doubles.after(ob, last), *left_out] for last in (ours.name, *names)]
     without = [list(dict.fromkeys(each)) for each in (*posed, *([*each, *bending] for each in posed))]
     with doubles.doubles([ob] * len(without), without) as alone:

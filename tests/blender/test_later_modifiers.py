@@ -292,3 +292,34 @@ def test_with_a_window_it_waits_until_nothing_moves_and_looks_once(route, runtim
         bpy.context.view_layer.update()
         strokes.finish()
     assert len(looks) == 1
+
+
+@pytest.mark.parametrize("has_armature", [False, True])
+def test_later_modifiers_of_stacks_that_are_read_as_evaluated(runtime, has_armature):
+    """Beyond what they do to the body, which nothing poses."""
+    ob, _ = character()
+    posing = [_lattice(ob)]
+    if has_armature:
+        posing.append(ob.modifiers["Armature"])
+    else:
+        ob.modifiers.remove(ob.modifiers["Armature"])
+    add_turgor(ob)
+    ob.modifiers.move(list(ob.modifiers).index(volume_modifier(ob)), len(ob.modifiers) - 1)
+    later = _smooth(ob)
+    bpy.context.scene.frame_set(FRAME)
+    assert runtime.character(ob.session_uid).binding.evaluated is not None
+    found = _found(runtime, ob)[later.name]
+
+    def ratio() -> float:
+        volumes = []
+        for is_on in (False, True):
+            later.show_viewport = is_on
+            bpy.context.view_layer.update()
+            volumes.append(volume(ob))
+        return volumes[1] / volumes[0]
+
+    posed = ratio()
+    posing.append(volume_modifier(ob))
+    for each in posing:
+        each.show_viewport = False
+    assert _amount(found) == pytest.approx(100.0 * (posed / ratio() - 1.0), abs=2e-3)
