@@ -73,11 +73,6 @@ def _move_below(target: bpy.types.Object, subject: str, kind: str) -> None:
         )
 
 
-def _turn_off(target: bpy.types.Object, subject: str, kind: str) -> None:
-    for modifier in _modifiers(target, subject):
-        modifier.show_viewport = modifier.show_render = False
-
-
 def _move_above(target: bpy.types.Object, subject: str, kind: str) -> None:
     modifier = _modifier(target, subject)
     try:
@@ -189,7 +184,6 @@ APPLY: dict[str, Callable[[bpy.types.Object, str, str], None]] = {
     "MOVE_BELOW_ARMATURE": _move_below_armature,
     "MOVE_AFTER": _move_after,
     "MOVE_BELOW": _move_below,
-    "TURN_OFF": _turn_off,
     "MOVE_ABOVE": _move_above,
     "PLAIN_PARENT": _plain_parent,
     "SHOW_IN_VIEWPORT": _show_in_viewport,

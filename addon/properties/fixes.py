@@ -5,7 +5,6 @@ FIXES = (
     ("MOVE_BELOW_ARMATURE", "Move below Armature", "Move Turgor Volume directly below the last Armature modifier"),
     ("MOVE_AFTER", "Move below Turgor", "Move this modifier below, where it changes what Turgor made"),
     ("MOVE_BELOW", "Move Turgor below It", "Move Turgor Volume below this modifier, where it keeps the volume again"),
-    ("TURN_OFF", "Turn Modifier Off", "Turn this modifier off in the viewport and in renders"),
     ("MOVE_ABOVE", "Move Turgor above It", "Move Turgor Volume directly above this modifier"),
     ("PLAIN_PARENT", "Plain Parent", "Let the parent move the object without deforming its mesh"),
     ("SHOW_IN_VIEWPORT", "Show in Viewport", "Turn the modifier on in the viewport"),

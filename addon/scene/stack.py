@@ -186,9 +186,7 @@ FOLLOWED = frozenset({"show_viewport", "show_render"})
 
 def is_animated(ob: bpy.types.Object, modifier: bpy.types.Modifier, but: frozenset[str] = frozenset()) -> bool:
     """Whether any of its settings has keyframes or a driver, `but` for these."""
-    prefix = f'modifiers["{bpy.utils.escape_identifier(modifier.name)}"]'
-    paths = (path for path in animated_paths(ob.animation_data) if path.startswith(prefix))
-    return any(path.removeprefix(f"{prefix}.") not in but for path in paths)
+    return bool(animated_settings(ob).get(modifier.name, frozenset()) - but)
 
 
 def animated_settings(ob: bpy.types.Object) -> Animated:

@@ -92,8 +92,7 @@ def _posing_reasons(ob: bpy.types.Object, animated: stack.Animated) -> Iterator[
 
 def is_blended(ob: bpy.types.Object, armature: bpy.types.ArmatureModifier) -> bool:
     """Whether an Armature alone, with these settings, skins otherwise than the engine."""
-    animated = stack.animated_settings(ob).get(armature.name, frozenset())
-    return armature.use_multi_modifier or bool(animated - stack.FOLLOWED)
+    return armature.use_multi_modifier or stack.is_animated(ob, armature, but=stack.FOLLOWED)
 
 
 def _is_limb(ob: bpy.types.Object, posing: list[bpy.types.Modifier]) -> bool:
