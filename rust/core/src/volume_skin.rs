@@ -8,7 +8,7 @@ use crate::binding::Binding;
 use crate::error::{Error, Result, check_finite};
 use crate::fields::joint::Joint;
 use crate::fields::supports::Supports;
-use crate::frame::{Details, JointField, Mask, Needs, Pose, Workspace};
+use crate::frame::{Bound, Details, JointField, Mask, Needs, Pose, Workspace};
 use crate::parallel::crew;
 use crate::parallel::split::helpers_for;
 use crate::report::Report;
@@ -144,7 +144,7 @@ impl VolumeSkin {
 
     /// New buffers.
     pub fn workspace(&self) -> Workspace {
-        Workspace::new(&self.binding, &self.supports, &self.joints)
+        Workspace::new(self.bound())
     }
 
     /// Skins and corrects one frame: writes corrected − skinned of every vertex, object space, to `offsets`. Positions are
@@ -159,9 +159,8 @@ impl VolumeSkin {
             return Err(Error::VertexCount { found: offsets.len(), bound });
         }
         self.with_helpers(|| {
-            workspace.set_pose(&self.binding, pose, self.options.keep_bone_scale)?;
-            self.correct(pose, workspace);
-            workspace.write_offsets(&self.binding, offsets);
+            self.correct(pose, workspace)?;
+            workspace.report.max_displacement = workspace.solved(&self.binding).write_offsets(offsets);
             Ok(&workspace.report)
         })
     }
@@ -169,9 +168,8 @@ impl VolumeSkin {
     /// The same, but for the largest displacement: writes skinned positions and `part` of the way to corrected.
     pub(crate) fn deform_to_positions(&self, pose: &Pose, part: f64, workspace: &mut Workspace, positions: &mut [[f32; 3]]) -> Result<()> {
         self.with_helpers(|| {
-            workspace.set_pose(&self.binding, pose, self.options.keep_bone_scale)?;
-            self.correct(pose, workspace);
-            workspace.write_positions(&self.binding, part, positions);
+            self.correct(pose, workspace)?;
+            workspace.solved(&self.binding).write_positions(part, positions);
             Ok(())
         })
     }
@@ -183,21 +181,17 @@ impl VolumeSkin {
     pub fn joint_field(&self, bone: usize, pose: &Pose, workspace: &mut Workspace) -> Result<JointField> {
         let joint = self.joint_bones().iter().position(|&b| b as usize == bone).ok_or(Error::NoJoint { bone })?;
         self.skin_pose(pose, workspace)?;
-        Ok(workspace.joint_field(&self.binding, &self.supports, &self.joints, joint))
+        Ok(workspace.joint_field(self.bound(), joint))
     }
 
     /// Skins and measures a pose, and leaves the volume as it is.
     pub(crate) fn skin_pose(&self, pose: &Pose, workspace: &mut Workspace) -> Result<()> {
-        self.with_helpers(|| {
-            workspace.set_pose(&self.binding, pose, self.options.keep_bone_scale)?;
-            self.skin(pose, workspace);
-            Ok(())
-        })
+        self.with_helpers(|| self.skin(pose, workspace))
     }
 
     /// Adds the workspace's pose to what poses ask for.
     pub(crate) fn add_needs(&self, workspace: &Workspace, details: &Details, needs: &mut Needs) {
-        workspace.add_needs(&self.binding, &self.supports, details, needs);
+        workspace.add_needs(self.bound(), details, needs);
     }
 
     pub(crate) fn binding(&self) -> &Binding {
@@ -208,35 +202,29 @@ impl VolumeSkin {
         crew::with_helpers(helpers_for(self.binding.patches.list.len()), work)
     }
 
-    fn skin(&self, pose: &Pose, workspace: &mut Workspace) {
-        workspace.mask.clone_from(&self.mask);
-        // First: it is little, and helpers are on their way.
-        workspace.measure_forms(&self.binding);
-        workspace.skin(&self.binding);
-        workspace.measure(&self.binding, &self.supports, &self.joints, pose);
+    fn bound(&self) -> Bound<'_> {
+        Bound { binding: &self.binding, supports: &self.supports, settings: &self.joints }
     }
 
-    fn correct(&self, pose: &Pose, workspace: &mut Workspace) {
-        let (binding, supports, settings) = (&*self.binding, &*self.supports, &**self.joints);
-        self.skin(pose, workspace);
-        workspace.correct_simultaneously(binding, supports, settings);
-        if self.options.solver == Solver::Sequential {
-            workspace.correct_sequentially(binding, supports, settings);
-        }
-        workspace.remove_residual(binding, supports, settings);
-        workspace.repair_folds(binding, supports, settings, pose.repair_folds);
-        workspace.fill_report(binding);
+    fn skin(&self, pose: &Pose, workspace: &mut Workspace) -> Result<()> {
+        workspace.mask.clone_from(&self.mask);
+        workspace.skin(self.bound(), pose, self.options.keep_bone_scale)
+    }
+
+    fn correct(&self, pose: &Pose, workspace: &mut Workspace) -> Result<()> {
+        self.skin(pose, workspace)?;
+        workspace.correct(self.bound(), self.options.solver == Solver::Sequential, pose.repair_folds);
+        Ok(())
     }
 
     /// Skinned and corrected positions of every vertex, object space, after `deform`.
     pub fn positions(&self, workspace: &Workspace) -> (Vec<DVec3>, Vec<DVec3>) {
-        let object = |p: DVec3| workspace.object.transform_point3(p);
-        let binding = &self.binding;
+        let (binding, frame) = (&self.binding, workspace.solved(&self.binding));
         let vertices = binding.slot_of_vertex.iter().zip(&binding.component_of_vertex).enumerate();
         vertices
             .map(|(vertex, (&slot, &component))| {
-                let skinned = workspace.skinned_vertex(binding, vertex);
-                (object(skinned), object(skinned + workspace.displacement(slot, component)))
+                let skinned = frame.skinned_vertex(vertex);
+                (frame.in_object(skinned), frame.in_object(skinned + frame.displacement(slot, component)))
             })
             .unzip()
     }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::Workspace;
+use super::buffers::Posed;
 use crate::binding::Binding;
 use crate::error::{Error, Result, check_rows};
 use crate::numeric::lanes::{self, V4};
@@ -47,7 +47,7 @@ impl Added {
     }
 }
 
-impl Workspace {
+impl Posed {
     /// Takes offsets in object space, and returns their mean in armature space.
     pub(super) fn set_added(&mut self, binding: &Binding, offsets: Option<&[[f32; 3]]>) -> Result<DVec3> {
         self.added.of_vertex.clear();

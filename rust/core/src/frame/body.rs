@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::{Pose, Workspace};
+use super::Pose;
+use super::buffers::{Posed, Staged};
 use crate::binding::Binding;
 use crate::error::{Error, Result, check_numbers, check_rows};
 use crate::numeric::lanes::{self, V4};
@@ -17,8 +18,6 @@ pub(super) struct Body {
     pub of_site: Vec<V4>,
     /// Brought along per vertex, where vertices share sites.
     of_vertex: Vec<V4>,
-    /// Whether moments are those of the bound rest positions.
-    has_bound_moments: bool,
 }
 
 impl Body {
@@ -41,7 +40,7 @@ impl Body {
     }
 }
 
-impl Workspace {
+impl Posed {
     /// Sets the body of a frame. Returns its centre in object space, and how far it reaches from there.
     pub(super) fn set_body(&mut self, binding: &Binding, pose: &Pose) -> Result<(DVec3, f64)> {
         if pose.shape_values.len() > binding.shape_deltas.len() {
@@ -50,26 +49,16 @@ impl Workspace {
         check_numbers("shape_values", pose.shape_values)?;
         self.body.of_vertex.clear();
         self.body.is_brought = pose.rest_positions.is_some();
-        let placed = if let Some(positions) = pose.rest_positions {
-            self.bring_body(binding, positions)?
+        if let Some(positions) = pose.rest_positions {
+            self.bring_body(binding, positions)
         } else {
             self.body.of_site.clear();
             if !binding.shape_deltas.is_empty() {
                 self.body.of_site.resize(binding.sites.len(), lanes::ZERO);
                 binding.mix_shapes(pose.shape_values, &mut self.body.of_site);
             }
-            (binding.rest_centre, binding.radius_with(pose.shape_values))
-        };
-        let is_bound = self.body.of_site.is_empty();
-        let portions = binding.plan.portions(self.is_staged(binding));
-        if is_bound != self.body.has_bound_moments || !is_bound {
-            self.portion_moments.clone_from(&portions.rest_moments);
+            Ok((binding.rest_centre, binding.radius_with(pose.shape_values)))
         }
-        if is_bound && !self.body.has_bound_moments {
-            portions.rigid_moments(&self.portion_moments, &mut self.job_moments);
-        }
-        self.body.has_bound_moments = is_bound;
-        Ok(placed)
     }
 
     fn bring_body(&mut self, binding: &Binding, positions: &[[f32; 3]]) -> Result<(DVec3, f64)> {
@@ -101,12 +90,30 @@ impl Workspace {
             }
             of_vertex.extend(positions.iter().map(|position| lanes::from(at(position) - centre)));
         }
-        self.stage_changes.resize(binding.plan.stages.change_count(), Change::default());
         Ok((centre, radius_squared.sqrt()))
     }
 
     /// Whether losses are measured by stages, not in closed form.
     pub(super) fn is_staged(&self, binding: &Binding) -> bool {
         self.body.is_brought || binding.plan.forms.is_none()
+    }
+}
+
+impl Staged {
+    /// Moments at rest: those of the bound body, or those that skinning finds for another one.
+    pub(super) fn start(&mut self, binding: &Binding, posed: &Posed) -> &mut Self {
+        let is_bound = posed.body.of_site.is_empty();
+        let portions = binding.plan.portions(posed.is_staged(binding));
+        if is_bound != self.has_bound_moments || !is_bound {
+            self.portion_moments.clone_from(&portions.rest_moments);
+        }
+        if is_bound && !self.has_bound_moments {
+            portions.rigid_moments(&self.portion_moments, &mut self.job_moments);
+        }
+        self.has_bound_moments = is_bound;
+        if posed.body.is_brought {
+            self.changes.resize(binding.plan.stages.change_count(), Change::default());
+        }
+        self
     }
 }

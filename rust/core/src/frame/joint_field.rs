@@ -2,12 +2,11 @@
 
 use glam::DVec3;
 
-use super::Workspace;
-use crate::binding::Binding;
+use super::buffers::Posed;
+use super::{Bound, Problem, Workspace};
 use crate::fields::field::{FieldFrame, axes_of_bend, axes_of_no_bend};
-use crate::fields::joint::Joint;
 use crate::fields::profile_weights;
-use crate::fields::supports::{Support, Supports};
+use crate::fields::supports::Support;
 
 /// How one joint's field lies in object space, and how much of it each vertex has [MATH §3–4].
 #[derive(Debug, Clone, PartialEq)]
@@ -27,35 +26,43 @@ pub struct JointField {
 }
 
 impl Workspace {
-    /// The field of a joint, after `skin` and `measure`.
-    pub(crate) fn joint_field(&self, binding: &Binding, supports: &Supports, settings: &[Joint], joint: usize) -> JointField {
-        let frame = FieldFrame::new(&self.motions, joint, &settings[joint], supports.lengths[joint], 0.0);
-        let (axes, axes_share) = match axes_of_bend(&self.motions, joint) {
-            (_, 0.0) => (axes_of_no_bend(&self.motions, joint), 0.0),
+    /// The field of a joint, after `skin`.
+    pub(crate) fn joint_field(&self, bound: Bound, joint: usize) -> JointField {
+        self.problem(bound).joint_field(&self.posed, joint)
+    }
+}
+
+impl Problem<'_> {
+    fn joint_field(self, posed: &Posed, joint: usize) -> JointField {
+        let Bound { binding, supports, settings } = self.bound;
+        let frame = FieldFrame::new(&posed.motions, joint, &settings[joint], supports.lengths[joint], 0.0);
+        let (axes, axes_share) = match axes_of_bend(&posed.motions, joint) {
+            (_, 0.0) => (axes_of_no_bend(&posed.motions, joint), 0.0),
             bent => bent,
         };
-        let growth = self.object.matrix3.determinant().abs().cbrt();
-        let of_slot = self.gamma_of_slots(binding, supports, settings, joint);
+        let growth = posed.object.matrix3.determinant().abs().cbrt();
+        let of_slot = self.gamma_of_slots(joint);
         JointField {
-            origin: self.object.transform_point3(frame.origin + self.motions.palette.origin),
-            axes: axes.map(|e| self.object.matrix3 * e / growth),
+            origin: posed.object.transform_point3(frame.origin + posed.motions.palette.origin),
+            axes: axes.map(|e| posed.object.matrix3 * e / growth),
             axes_share,
             length: growth / frame.inverse_length,
             gamma: binding.slot_of_vertex.iter().map(|&slot| of_slot.get(slot as usize).copied().unwrap_or(0.0)).collect(),
         }
     }
 
-    fn gamma_of_slots(&self, binding: &Binding, supports: &Supports, settings: &[Joint], joint: usize) -> Vec<f32> {
+    fn gamma_of_slots(self, joint: usize) -> Vec<f32> {
+        let Bound { binding, supports, settings } = self.bound;
         let patches = &binding.patches;
         let mut gamma = vec![0.0; patches.slot_count()];
         for (index, patch) in patches.list.iter().enumerate() {
             let slots = patch.start..patches.slot_offsets[index + 1] as usize;
             let is_mine = |support: &Support| binding.plan.jobs[support.job].joint as usize == joint;
             let Some(support) = supports.of_patch(index).find(is_mine) else { continue };
-            let frame = &self.jobs[support.job].frame;
-            let places = self.skinned.near.each_ref().map(|row| &row[slots.clone()]);
+            let frame = &self.targets.jobs[support.job].frame;
+            let places = self.skinned.places.near.each_ref().map(|row| &row[slots.clone()]);
             let areas = &binding.inverse_areas[slots.clone()];
-            let mask = self.mask.as_ref().map(|mask| &mask.of_slot[slots.clone()]);
+            let mask = self.mask.map(|mask| &mask.of_slot[slots.clone()]);
             let profiles = settings[joint].profiles.as_ref().filter(|_| frame.has_axes());
             let gamma = &mut gamma[slots];
             let drawn_part = if profiles.is_some() { frame.frame_part as f32 } else { 0.0 };

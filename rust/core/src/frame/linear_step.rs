@@ -4,40 +4,38 @@
 
 use glam::{DMat3, DVec3};
 
+use super::buffers::{Correction, Gradient};
 use super::pass::Pass;
 use super::scratch::{Scratch, with_scratch};
-use super::{Workspace, in_single_precision};
-use crate::binding::Binding;
+use super::{Bound, Problem, in_single_precision};
 use crate::fields::patch_sums::{self, Move};
 
-impl Workspace {
+impl Correction {
     /// Instead of all fields, in components that need it: one step along the direction in which most can be done.
-    pub(super) fn step_linearly(&mut self, binding: &Binding, pass: Pass) {
+    pub(super) fn step_linearly(&mut self, problem: Problem, gradient: &Gradient, pass: Pass) {
+        let Problem { bound: Bound { binding, .. }, targets, .. } = problem;
         let patches = &binding.patches;
-        for component in 0..self.components.len() {
-            let state = self.components[component];
-            if !state.is_linear_only || pass.passes_over(component as u32) {
+        for (component, target) in targets.components.iter().enumerate() {
+            if !self.components[component].is_linear_only || pass.passes_over(component as u32) {
                 continue;
             }
             let mine = || patches.list.iter().enumerate().filter(|(_, patch)| patch.component as usize == component);
             let mut capacity = DMat3::ZERO;
             for (index, _) in mine() {
-                self.visit_directions(binding, index, |_, weight, slope, direction| {
+                visit_directions(problem, gradient, index, |_, weight, slope, direction| {
                     capacity += DMat3::from_cols(direction * slope.x, direction * slope.y, direction * slope.z) * weight;
                 });
             }
             let e = main_direction(&capacity);
-            let gap = if let Pass::Again(again) = pass { again.gaps[component] } else { state.target - state.skinned };
+            let gap = if let Pass::Again(again) = pass { again.gaps[component] } else { target.target - target.skinned };
             let scale = in_single_precision(gap / (e.dot(capacity * e) * binding.area_unit));
-            let mut moves = std::mem::take(&mut self.moves);
             for (index, _) in mine() {
-                self.visit_directions(binding, index, |slot, weight, _, direction| {
+                visit_directions(problem, gradient, index, |slot, weight, _, direction| {
                     let residual = (e * (direction.dot(e) * weight * scale)).as_vec3().extend(0.0).to_array();
                     let by = if let Pass::Again(again) = pass { again.moves[slot].by } else { [0.0; 4] };
-                    moves[slot] = Move { by, residual };
+                    self.moves[slot] = Move { by, residual };
                 });
             }
-            self.moves = moves;
             let jobs = binding.plan.jobs.iter().zip(&mut self.jobs);
             for (_, state) in jobs.filter(|(job, _)| job.component as usize == component) {
                 state.is_capped |= state.regained != 0.0;
@@ -45,24 +43,25 @@ impl Workspace {
             }
         }
     }
+}
 
-    /// Slot, weight in the field of the whole shell, gradient and masked direction of each point of a patch.
-    fn visit_directions(&self, binding: &Binding, index: usize, mut visit: impl FnMut(usize, f64, DVec3, DVec3)) {
-        let slots = binding.patches.list[index].start..binding.patches.slot_offsets[index + 1] as usize;
-        let gradient = self.gradient.each_ref().map(|row| &row[slots.clone()]);
-        let areas = &binding.inverse_areas[slots.clone()];
-        with_scratch(|Scratch { fields: rows, .. }| {
-            patch_sums::directions(gradient, areas, &mut rows.directions, &mut rows.volumes, &mut rows.lengths);
-            if let Some(mask) = &self.mask {
-                patch_sums::mask(&mask.of_slot[slots.clone()], &mut rows.directions, &mut rows.volumes, &mut rows.lengths);
-            }
-            let at = |rows: [&[f32]; 3], i: usize| DVec3::from_array(rows.map(|row| f64::from(row[i])));
-            let directions = rows.directions.each_ref().map(|row| &row[..]);
-            for (i, slot) in slots.enumerate() {
-                visit(slot, f64::from(areas[i]), at(gradient, i), at(directions, i));
-            }
-        });
-    }
+/// Slot, weight in the field of the whole shell, gradient and masked direction of each point of a patch.
+fn visit_directions(problem: Problem, gradient: &Gradient, index: usize, mut visit: impl FnMut(usize, f64, DVec3, DVec3)) {
+    let Problem { bound: Bound { binding, .. }, mask, .. } = problem;
+    let slots = binding.patches.list[index].start..binding.patches.slot_offsets[index + 1] as usize;
+    let gradient = gradient.rows.each_ref().map(|row| &row[slots.clone()]);
+    let areas = &binding.inverse_areas[slots.clone()];
+    with_scratch(|Scratch { fields: rows, .. }| {
+        patch_sums::directions(gradient, areas, &mut rows.directions, &mut rows.volumes, &mut rows.lengths);
+        if let Some(mask) = mask {
+            patch_sums::mask(&mask.of_slot[slots.clone()], &mut rows.directions, &mut rows.volumes, &mut rows.lengths);
+        }
+        let at = |rows: [&[f32]; 3], i: usize| DVec3::from_array(rows.map(|row| f64::from(row[i])));
+        let directions = rows.directions.each_ref().map(|row| &row[..]);
+        for (i, slot) in slots.enumerate() {
+            visit(slot, f64::from(areas[i]), at(gradient, i), at(directions, i));
+        }
+    });
 }
 
 /// Direction of the largest eigenvalue of a symmetric matrix, nearly: a column of its 256th power.

@@ -1,10 +1,10 @@
 //! Volume that added offsets take goes back where it was lost: to the joint whose vicinity that is, the rest by the skin itself
 //! [MATH §9].
 
-use super::{Pose, Workspace, in_single_precision};
+use super::buffers::{Losses, Posed, Skinned, Targets};
+use super::{Bound, Pose, in_single_precision};
 use crate::binding::Binding;
 use crate::cores::following::Room;
-use crate::fields::joint::Joint;
 use crate::fields::profile::{BELL_END, BELL_WIDTH};
 use crate::fields::supports::{Support, Supports};
 use crate::numeric::block_rows::{LANES, PATCH_POINTS};
@@ -44,16 +44,17 @@ impl Local {
     }
 }
 
-impl Workspace {
+impl Targets {
     /// Finds where added offsets took volume; adds to what joints give back what is theirs of it.
-    pub(super) fn share_added_losses(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pose: &Pose) {
-        self.local.is_used = self.added.moves_anything();
+    pub(super) fn share_added_losses(&mut self, bound: Bound, pose: &Pose, posed: &Posed, skinned: &Skinned, losses: &Losses) {
+        let Bound { binding, supports, settings } = bound;
+        let (places, added) = (&skinned.places, &posed.added);
+        self.local.is_used = added.moves_anything();
         if !self.local.is_used {
             return;
         }
         let (core, patches) = (binding.core(), &binding.patches);
-        let missing = self.missing_by_component(binding);
-        let (places, added) = (&self.skinned, &self.added);
+        let missing = self.missing_by_component(binding, losses);
         let Local { volumes, bounds, room, shown, skinned, lengthening, densities, of_joints, .. } = &mut self.local;
         let bare = |slot: usize| lanes::sub(places.at(slot), added.of_slot(binding, slot));
         core.begin(patches, |slot| added.of_slot(binding, slot) != lanes::ZERO, room);
@@ -129,9 +130,9 @@ impl Workspace {
     }
 
     /// Per component, how much less there is with what is added than as skinned.
-    fn missing_by_component(&self, binding: &Binding) -> Vec<f64> {
+    fn missing_by_component(&self, binding: &Binding, losses: &Losses) -> Vec<f64> {
         let mut missing: Vec<f64> = self.components.iter().map(|state| state.rest - state.skinned).collect();
-        for (job, change) in binding.plan.jobs.iter().zip(&self.changes) {
+        for (job, change) in binding.plan.jobs.iter().zip(&losses.changes) {
             missing[job.component as usize] += change.intent - change.loss;
         }
         missing

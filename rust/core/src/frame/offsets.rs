@@ -6,8 +6,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x4, f64x4};
 use glam::DVec3;
 
-use super::{ComponentState, Workspace};
-use crate::binding::Binding;
+use super::buffers::ComponentOutcome;
+use super::solved::Solved;
 use crate::fields::patch_sums::Move;
 use crate::numeric::block_rows::LANES;
 use crate::numeric::lanes::{self, Four, columns, larger};
@@ -16,11 +16,12 @@ use crate::parallel::split::{Equal, for_each_piece};
 /// Vertices that are written at a time.
 const CHUNK: usize = 512;
 
-impl Workspace {
-    /// Corrected − skinned of every vertex, object space.
-    pub(crate) fn write_offsets(&mut self, binding: &Binding, offsets: &mut [[f32; 3]]) {
-        let to_object = self.object.matrix3.as_mat3().to_cols_array_2d();
-        let (moves, components) = (&self.moves, &self.components);
+impl Solved<'_> {
+    /// Corrected − skinned of every vertex, object space. Returns the largest displacement.
+    pub(crate) fn write_offsets(&self, offsets: &mut [[f32; 3]]) -> f64 {
+        let binding = self.binding;
+        let to_object = self.posed.object.matrix3.as_mat3().to_cols_array_2d();
+        let (moves, components) = (&self.correction.moves, &self.correction.components);
         let level = Level::new();
         // Most characters are one shell: nothing to look up then.
         let only_step = if let [state] = &**components { Some(state.step as f32) } else { None };
@@ -38,29 +39,30 @@ impl Workspace {
             largest_squared.fetch_max(largest.to_bits(), Ordering::Relaxed);
         });
         let largest_squared = f32::from_bits(largest_squared.into_inner());
-        self.report.max_displacement = f64::from(largest_squared).sqrt();
-        if largest_squared.is_infinite() {
-            // The square is beyond single precision, not the offset.
-            let length = |offset: &[f32; 3]| DVec3::from_array(offset.map(f64::from)).length();
-            self.report.max_displacement = offsets.iter().map(length).fold(0.0, f64::max);
+        if largest_squared.is_finite() {
+            return f64::from(largest_squared).sqrt();
         }
+        // The square is beyond single precision, not the offset.
+        let length = |offset: &[f32; 3]| DVec3::from_array(offset.map(f64::from)).length();
+        offsets.iter().map(length).fold(0.0, f64::max)
     }
 
     /// Skinned, and `part` of the way to corrected, of every vertex: the same bits as by way of `write_offsets`.
-    pub(crate) fn write_positions(&self, binding: &Binding, part: f64, positions: &mut [[f32; 3]]) {
-        let to_object = self.object.matrix3.as_mat3().to_cols_array_2d();
-        dispatch!(Level::new(), simd => write_all(simd, self, binding, &to_object, part, positions));
+    pub(crate) fn write_positions(&self, part: f64, positions: &mut [[f32; 3]]) {
+        let to_object = self.posed.object.matrix3.as_mat3().to_cols_array_2d();
+        dispatch!(Level::new(), simd => write_all(simd, self, &to_object, part, positions));
     }
 }
 
 #[inline(always)]
-fn write_all<S: Simd>(simd: S, frame: &Workspace, binding: &Binding, to_object: &[[f32; 3]; 3], part: f64, positions: &mut [[f32; 3]]) {
-    let [a, b, c, d] = columns(&frame.object);
+fn write_all<S: Simd>(simd: S, frame: &Solved, to_object: &[[f32; 3]; 3], part: f64, positions: &mut [[f32; 3]]) {
+    let Solved { binding, posed, correction, .. } = *frame;
+    let [a, b, c, d] = columns(&posed.object);
     let mut vertices = binding.vertices_by_slot.iter().map(|&vertex| vertex as usize).peekable();
     let slot_of = |vertex: usize| binding.slot_of_vertex[vertex] as usize;
     // Every point has its own place, as `skinned_vertex` finds it, and all of eight slots are of one component.
-    let is_plain = !binding.sites.is_split() && !frame.body.is_split() && frame.added.is_empty();
-    while let Some(&first) = vertices.peek().filter(|&&vertex| is_plain && slot_of(vertex) < frame.moves.len()) {
+    let is_plain = !binding.sites.is_split() && !posed.body.is_split() && posed.added.is_empty();
+    while let Some(&first) = vertices.peek().filter(|&&vertex| is_plain && slot_of(vertex) < correction.moves.len()) {
         let number = slot_of(first) / LANES;
         let eight = eight_positions(simd, frame, number, binding.component_of_vertex[first], to_object, part);
         while let Some(vertex) = vertices.next_if(|&vertex| slot_of(vertex) / LANES == number) {
@@ -68,9 +70,9 @@ fn write_all<S: Simd>(simd: S, frame: &Workspace, binding: &Binding, to_object: 
         }
     }
     for vertex in vertices {
-        let p = frame.skinned_vertex(binding, vertex);
-        let step = step_of(&frame.components, binding.component_of_vertex[vertex]);
-        let offset = offsets_in_object([own_offset(simd, frame.moves.get(slot_of(vertex)), step); 4], to_object);
+        let p = frame.skinned_vertex(vertex);
+        let step = step_of(&correction.components, binding.component_of_vertex[vertex]);
+        let offset = offsets_in_object([own_offset(simd, correction.moves.get(slot_of(vertex)), step); 4], to_object);
         for (axis, value) in positions[vertex].iter_mut().enumerate() {
             let skinned = a[axis] * p.x + b[axis] * p.y + c[axis] * p.z + d[axis];
             *value = (skinned + part * f64::from(offset[axis][0])) as f32;
@@ -82,18 +84,18 @@ fn write_all<S: Simd>(simd: S, frame: &Workspace, binding: &Binding, to_object: 
 #[inline(always)]
 fn eight_positions<S: Simd>(
     simd: S,
-    frame: &Workspace,
+    frame: &Solved,
     number: usize,
     component: u32,
     to_object: &[[f32; 3]; 3],
     part: f64,
 ) -> [[f32; 4]; LANES] {
-    let step = step_of(&frame.components, component);
-    let moves = &frame.moves.as_chunks::<LANES>().0[number];
+    let step = step_of(&frame.correction.components, component);
+    let moves = &frame.correction.moves.as_chunks::<LANES>().0[number];
     let at = |place: usize| own_offset(simd, Some(&moves[place]), step);
     let first = offsets_in_object([at(0), at(1), at(2), at(3)], to_object);
     let second = offsets_in_object([at(4), at(5), at(6), at(7)], to_object);
-    let [early, late] = frame.skinned.eight(simd, number);
+    let [early, late] = frame.skinned.places.eight(simd, number);
     let (early, late) = (points_in_object(simd, frame, early).coordinates(), points_in_object(simd, frame, late).coordinates());
     let (mut first_positions, mut second_positions) = (first, second);
     for axis in 0..3 {
@@ -106,9 +108,9 @@ fn eight_positions<S: Simd>(
 
 /// Object space, of points about the palette's origin.
 #[inline(always)]
-fn points_in_object<S: Simd>(simd: S, frame: &Workspace, points: Four<S>) -> Four<S> {
-    let [a, b, c, d] = columns(&frame.object);
-    let origin = frame.motions.palette.origin;
+fn points_in_object<S: Simd>(simd: S, frame: &Solved, points: Four<S>) -> Four<S> {
+    let [a, b, c, d] = columns(&frame.posed.object);
+    let origin = frame.posed.motions.palette.origin;
     let [x, y, z] = points.coordinates();
     let (x, y, z) = (x + origin.x, y + origin.y, z + origin.z);
     let along = |axis: usize| x * a[axis] + y * b[axis] + z * c[axis] + f64x4::splat(simd, d[axis]);
@@ -153,7 +155,7 @@ fn first_three<S: Simd>(row: f32x4<S>) -> [f32; 3] {
 
 /// Step along the residual's field; not a number for loose points, which are of no component.
 #[inline(always)]
-fn step_of(components: &[ComponentState], component: u32) -> f32 {
+fn step_of(components: &[ComponentOutcome], component: u32) -> f32 {
     if let Some(state) = components.get(component as usize) { state.step as f32 } else { f32::NAN }
 }
 

@@ -1,11 +1,11 @@
 //! Where, and how finely, a mesh should have more points: where joints give volume back [RHC09 §4.3].
 
-use super::Workspace;
+use super::buffers::Posed;
+use super::{Bound, Problem, Workspace};
 use crate::binding::Binding;
 use crate::fields::joint::{Joint, Profiles};
 use crate::fields::profile;
 use crate::fields::profile_weights;
-use crate::fields::supports::Supports;
 
 /// From this part of its vicinity's volume on a loss counts in full, below it in proportion.
 const LOSS_IN_FULL: f64 = 0.02;
@@ -81,17 +81,24 @@ impl Needs {
 }
 
 impl Workspace {
-    /// Adds the pose to `needs`, after `skin` and `measure`.
-    pub(crate) fn add_needs(&self, binding: &Binding, supports: &Supports, details: &Details, needs: &mut Needs) {
+    /// Adds the pose to `needs`, after `skin`.
+    pub(crate) fn add_needs(&self, bound: Bound, details: &Details, needs: &mut Needs) {
+        self.problem(bound).add_needs(&self.posed, details, needs);
+    }
+}
+
+impl Problem<'_> {
+    fn add_needs(self, posed: &Posed, details: &Details, needs: &mut Needs) {
+        let Bound { binding, supports, .. } = self.bound;
         let patches = &binding.patches;
-        let object_from_armature = self.object.matrix3.determinant().abs().cbrt();
+        let object_from_armature = posed.object.matrix3.determinant().abs().cbrt();
         for (index, patch) in patches.list.iter().enumerate() {
             let slots = patch.start..patches.slot_offsets[index + 1] as usize;
-            let places = self.skinned.near.each_ref().map(|row| &row[slots.clone()]);
+            let places = self.skinned.places.near.each_ref().map(|row| &row[slots.clone()]);
             let areas = &binding.inverse_areas[slots.clone()];
-            let mask = self.mask.as_ref().map(|mask| &mask.of_slot[slots.clone()]);
+            let mask = self.mask.map(|mask| &mask.of_slot[slots.clone()]);
             for support in supports.of_patch(index) {
-                let state = &self.jobs[support.job];
+                let state = &self.targets.jobs[support.job];
                 if !state.frame.is_active {
                     continue;
                 }

@@ -2,12 +2,13 @@
 
 use glam::DVec3;
 
-use super::Workspace;
+use super::Problem;
+use super::buffers::{Correction, Posed, Solution};
+use super::solved::Solved;
 use crate::binding::Binding;
-use crate::fields::joint::Joint;
-use crate::fields::supports::Supports;
 use crate::folds::{BackOff, Search, Skin};
 use crate::numeric::lanes;
+use crate::report::Report;
 use crate::surface::patches::NO_SLOT;
 
 /// Relative error that the volume may have after repair; more is a failure of the repair.
@@ -17,76 +18,76 @@ const ROUNDS: usize = 16;
 /// From this round on neighbours of folds are held too.
 const PATIENCE: usize = 4;
 
-impl Workspace {
+impl Solution {
     /// Repairs the folds of a solved frame, if asked to.
     ///
     /// Ends with no fold left, or with the fewest of all that keep the volume exactly; without folds no bit changes.
-    pub(crate) fn repair_folds(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], is_asked: bool) {
-        let report = &mut self.report;
+    pub(super) fn repair_folds(&mut self, problem: Problem, posed: &Posed, is_asked: bool, report: &mut Report) {
         (report.folds_found, report.folds_left) = (0, 0);
         report.blocked_vertices.clear();
         if !is_asked {
             return;
         }
+        let binding = problem.bound.binding;
         let skin = binding.skin();
-        let skinned = self.skinned_points(binding);
-        let moves = self.moves_of_points(binding);
+        let skinned = Solved { binding, posed, skinned: problem.skinned, correction: &self.correction }.skinned_points();
+        let moves = self.correction.moves_of_points(binding);
         let mut search = Search::new(skin, &skinned);
         let found = search.move_to(places(&skinned, &moves)).len();
-        (self.report.folds_found, self.report.folds_left) = (found, found);
+        (report.folds_found, report.folds_left) = (found, found);
         if found > 0 {
-            self.back_off(binding, supports, settings, (skin, &skinned, &moves), &mut search);
+            self.back_off(problem, (skin, &skinned, &moves), &mut search, report);
         }
     }
 
     fn back_off(
         &mut self,
-        binding: &Binding,
-        supports: &Supports,
-        settings: &[Joint],
+        problem: Problem,
         (skin, skinned, moves): (&Skin, &[DVec3], &[DVec3]),
         search: &mut Search,
+        report: &mut Report,
     ) {
-        let first = self.outcome();
-        let artists_mask = self.mask.clone();
+        let binding = problem.bound.binding;
+        let first = self.correction.outcome();
         let mut back_off = BackOff::new(skin, skinned, moves);
         let shares = back_off.shares(search);
-        let mut best = (self.report.folds_found, None);
+        let mut best = (report.folds_found, None);
         for round in 0..ROUNDS {
-            self.mask.clone_from(&artists_mask);
-            let is_exact = self.restore(binding, supports, settings, &first, (&shares, &back_off.freedom()), EXACT);
-            let folds = search.move_to(places(skinned, &self.moves_of_points(binding))).len();
+            let is_exact = self.restore(problem, &first, (&shares, &back_off.freedom()), EXACT);
+            let folds = search.move_to(places(skinned, &self.correction.moves_of_points(binding))).len();
             if is_exact && folds < best.0 {
-                best = (folds, Some((self.outcome(), self.mask.clone(), back_off.is_blocked().to_vec())));
+                best = (folds, Some((self.correction.outcome(), back_off.is_blocked().to_vec())));
             }
             // With fewer points free the volume would not be exact again.
             if !is_exact || folds == 0 || !back_off.block(search, round >= PATIENCE) {
                 break;
             }
         }
-        self.report.folds_left = best.0;
-        let Some((outcome, mask, is_blocked)) = best.1 else {
-            self.go_back_to(&first);
-            self.mask = artists_mask;
+        report.folds_left = best.0;
+        let Some((outcome, is_blocked)) = best.1 else {
+            self.correction.go_back_to(&first);
             return;
         };
-        self.go_back_to(&outcome);
-        self.mask = mask;
+        self.correction.go_back_to(&outcome);
         let has_slot = |&slot: &u32| slot != NO_SLOT;
         let mut of_slot = vec![false; binding.patches.slot_count()];
         for (slot, is_blocked) in binding.patches.slot_of_point.iter().zip(is_blocked).filter(|(slot, _)| has_slot(slot)) {
             of_slot[*slot as usize] = is_blocked;
         }
         let vertices = (0..).zip(&binding.slot_of_vertex).filter(|(_, slot)| has_slot(slot) && of_slot[**slot as usize]);
-        self.report.blocked_vertices.extend(vertices.map(|(vertex, _)| vertex));
+        report.blocked_vertices.extend(vertices.map(|(vertex, _)| vertex));
     }
+}
 
+impl Solved<'_> {
     /// Skinned place of each point, about the palette's origin.
-    fn skinned_points(&self, binding: &Binding) -> Vec<DVec3> {
-        let origin = self.motions.palette.origin;
-        binding.points(|slot| self.skinned.at(slot), |vertex| lanes::from(self.skinned_vertex(binding, vertex) - origin))
+    fn skinned_points(&self) -> Vec<DVec3> {
+        let origin = self.posed.motions.palette.origin;
+        self.binding.points(|slot| self.skinned.places.at(slot), |vertex| lanes::from(self.skinned_vertex(vertex) - origin))
     }
+}
 
+impl Correction {
     /// Displacement of each point as solved.
     fn moves_of_points(&self, binding: &Binding) -> Vec<DVec3> {
         binding.points(|slot| lanes::from(self.displacement(slot as u32, binding.patches.component_of_slot(slot))), |_| lanes::ZERO)

@@ -3,13 +3,12 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
 
+use super::buffers::{ComponentField, ComponentOutcome, ComponentTarget, Correction, Fields, Solution};
 use super::pass::Pass;
+use super::places::Places;
 use super::scratch::{Scratch, with_scratch};
-use super::{ComponentState, Places, Workspace, widened};
-use crate::binding::Binding;
-use crate::fields::joint::Joint;
+use super::{Problem, widened};
 use crate::fields::patch_sums::Move;
-use crate::fields::supports::Supports;
 use crate::numeric::block_rows::LANES;
 use crate::numeric::lanes::add;
 use crate::parallel::split::for_each_piece;
@@ -26,53 +25,52 @@ const BENT_MAX: f64 = 2.0;
 /// Nearer to its target, relatively, a component comes unless the root lies at a summit, where digits are lost.
 const SUMMIT_ERROR: f64 = 1e-13;
 
-impl Workspace {
+impl Solution {
     /// Steps along the residual's field until every component has its target, by the exact cubic.
-    pub(crate) fn remove_residual(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
-        self.remove_residual_of(binding, supports, settings, Pass::All);
-    }
-
-    pub(super) fn remove_residual_of(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pass: Pass) {
-        self.find_steps(binding, pass);
-        if self.components.iter().any(|state| state.is_wide_only) {
+    pub(super) fn remove_residual(&mut self, problem: Problem, pass: Pass) {
+        let Self { gradient, fields, correction } = self;
+        correction.find_steps(problem, fields, pass);
+        if correction.components.iter().any(|state| state.is_wide_only) {
             // Fields that fight each other, or far too little skin: the whole shell takes what is left.
-            self.add_fields(
-                binding,
-                supports,
-                settings,
+            fields.add(
+                problem,
+                gradient,
+                correction,
                 pass,
                 #[inline(always)]
                 |old, new| old.residual = new.residual,
             );
-            self.find_steps(binding, pass);
+            correction.find_steps(problem, fields, pass);
         }
-        if self.components.iter().any(|state| state.is_linear_only) {
-            self.step_linearly(binding, pass);
-            self.find_steps(binding, pass);
+        if correction.components.iter().any(|state| state.is_linear_only) {
+            correction.step_linearly(problem, gradient, pass);
+            correction.find_steps(problem, fields, pass);
         }
     }
+}
 
-    fn find_steps(&mut self, binding: &Binding, pass: Pass) {
-        self.sweep_cubics(binding);
-        let is_masked = self.mask.is_some();
-        for (_, state) in (0..).zip(&mut self.components).filter(|(component, _)| !pass.passes_over(*component)) {
-            state.find_step(is_masked);
+impl Correction {
+    fn find_steps(&mut self, problem: Problem, fields: &Fields, pass: Pass) {
+        self.sweep_cubics(problem);
+        let states = self.components.iter_mut().zip(&problem.targets.components).zip(&fields.components);
+        for (_, ((state, target), field)) in (0..).zip(states).filter(|(component, _)| !pass.passes_over(*component)) {
+            state.find_step(target, field, problem.mask.is_some());
         }
     }
 
     /// V(P + tR) of every component, P the points as moved so far and R the residual's field.
-    pub(super) fn sweep_cubics(&mut self, binding: &Binding) {
+    pub(super) fn sweep_cubics(&mut self, problem: Problem) {
         let level = Level::new();
-        let patches = &binding.patches;
-        let (skinned, moves) = (&self.skinned, &self.moves);
-        for_each_piece(patches.list.len(), &mut *self.patches, &|index, sums| {
-            sums[0].cubic = with_scratch(|scratch| dispatch!(level, simd => cubic_of_patch(simd, patches, index, skinned, moves, scratch)));
+        let patches = &problem.bound.binding.patches;
+        let (skinned, moves) = (&problem.skinned.places, &self.moves);
+        for_each_piece(patches.list.len(), &mut *self.cubics, &|index, cubic| {
+            cubic[0] = with_scratch(|scratch| dispatch!(level, simd => cubic_of_patch(simd, patches, index, skinned, moves, scratch)));
         });
         for state in &mut self.components {
             state.cubic = VolumeCubic::default();
         }
-        for (patch, sums) in patches.list.iter().zip(&self.patches) {
-            self.components[patch.component as usize].cubic.join(&sums.cubic);
+        for (patch, cubic) in patches.list.iter().zip(&self.cubics) {
+            self.components[patch.component as usize].cubic.join(cubic);
         }
         for giant in &patches.giants {
             let corners = giant.corners.iter().map(|&slot| {
@@ -84,18 +82,18 @@ impl Workspace {
     }
 }
 
-impl ComponentState {
+impl ComponentOutcome {
     /// Finds the step along the residual's field, or whose field it must be instead.
-    fn find_step(&mut self, is_masked: bool) {
+    fn find_step(&mut self, target: &ComponentTarget, field: &ComponentField, is_masked: bool) {
         let state = self;
-        let gap = state.target - state.cubic.0[0];
-        let is_near = gap.abs() <= RESIDUAL_DONE * state.target.abs();
-        let root = if is_near { Some(0.0) } else { state.cubic.root_nearest_zero(state.target) };
+        let gap = target.target - state.cubic.0[0];
+        let is_near = gap.abs() <= RESIDUAL_DONE * target.target.abs();
+        let root = if is_near { Some(0.0) } else { state.cubic.root_nearest_zero(target.target) };
         let may_give_up = is_masked && !state.is_linear_only;
         // What a step of the shell adds by the slope at the skinned surface, against what is to be given back.
-        let worth = |step: f64| step.abs() * (state.floor + state.wide.abs());
-        let whole = state.spread + (state.target - state.skinned).abs();
-        let is_exact = |step: f64| (state.cubic.at(step) - state.target).abs() <= SUMMIT_ERROR * state.target.abs();
+        let worth = |step: f64| step.abs() * (target.floor + field.wide.abs());
+        let whole = target.spread + (target.target - target.skinned).abs();
+        let is_exact = |step: f64| (state.cubic.at(step) - target.target).abs() <= SUMMIT_ERROR * target.target.abs();
         let is_within = |step: f64| {
             if state.is_wide_only { !may_give_up || worth(step) <= BENT_MAX * whole } else { step.abs() <= RESIDUAL_STEP_MAX }
         };
@@ -103,14 +101,14 @@ impl ComponentState {
         match root.filter(|&step| is_meant(step)) {
             Some(step) => state.step = step,
             None if !state.is_wide_only => state.is_wide_only = true,
-            None if may_give_up && state.wide_capacity > 0.0 => state.is_linear_only = true,
+            None if may_give_up && field.wide_capacity > 0.0 => state.is_linear_only = true,
             None if state.cubic.0[0].is_finite() => state.step = 0.0,
             // Beyond all numbers: as skinned.
             None => state.step = f64::NAN,
         }
         state.corrected = if state.step == 0.0 { state.cubic.0[0] } else { state.cubic.at(state.step) };
         if state.step.is_nan() {
-            state.corrected = state.skinned;
+            state.corrected = target.skinned;
         }
     }
 }

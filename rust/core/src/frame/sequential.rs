@@ -2,55 +2,59 @@
 
 use fearless_simd::{Level, dispatch};
 
+use super::buffers::{Gradient, JobOutcome, Solution};
 use super::pass::Pass;
+use super::places::ragged;
 use super::skin::{keep_gradient, sweep_giants};
-use super::{JobState, Workspace, ragged, widened};
-use crate::binding::Binding;
+use super::{Bound, Problem, widened};
 use crate::fields::field::Field;
-use crate::fields::joint::Joint;
-use crate::fields::supports::Supports;
+use crate::fields::patch_sums::Move;
 use crate::numeric::block_rows::PATCH_POINTS;
 use crate::numeric::lanes::{self, add};
 use crate::parallel::split::{Ragged, for_each_piece};
 use crate::surface::sweeps::{self, Buffer};
 
-impl Workspace {
-    /// The paper's order: parents first, axis after axis, each on the mesh so far. The residual's field stays as `correct_simultaneously` made it.
-    pub(crate) fn correct_sequentially(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
-        self.add_fields(
-            binding,
-            supports,
-            settings,
+impl Solution {
+    /// The paper's order: parents first, axis after axis, each on the mesh so far. The residual's field stays as
+    /// `correct_simultaneously` made it.
+    pub(super) fn correct_sequentially(&mut self, problem: Problem) {
+        let Problem { bound: Bound { binding, .. }, targets, .. } = problem;
+        let Self { gradient, fields, correction } = self;
+        fields.add(
+            problem,
+            gradient,
+            correction,
             Pass::Shell,
             #[inline(always)]
             |old, new| old.by = new.by,
         );
         for joint in 0..binding.motions.tree.len() {
-            let is_mine = |job: usize, jobs: &[JobState]| binding.plan.jobs[job].joint as usize == joint && jobs[job].frame.is_active;
-            let mine: Vec<usize> = (0..self.jobs.len()).filter(|&job| is_mine(job, &self.jobs)).collect();
+            let is_mine = |job: usize| binding.plan.jobs[job].joint as usize == joint && targets.jobs[job].frame.is_active;
+            let mine: Vec<usize> = (0..targets.jobs.len()).filter(|&job| is_mine(job)).collect();
             if mine.is_empty() {
                 continue;
             }
             for job in &mine {
-                let state = &mut self.jobs[*job];
-                (state.regained, state.displacement, state.is_capped) = (0.0, 0.0, false);
+                correction.jobs[*job] = JobOutcome::default();
             }
-            let shares: Vec<[f64; 4]> = mine.iter().map(|&j| self.jobs[j].frame.ordered_shares(&self.jobs[j].capacity)).collect();
+            let shares: Vec<[f64; 4]> =
+                mine.iter().map(|&job| targets.jobs[job].frame.ordered_shares(&fields.jobs[job].capacity)).collect();
             for step in 0..4 {
                 if shares.iter().all(|s| s[step] == 0.0) {
                     continue;
                 }
-                self.sweep_moved(binding);
-                self.sum_capacities(binding, supports, settings, Pass::Some(&mine));
+                gradient.sweep_moved(problem, &correction.moves);
+                fields.sum_capacities(problem, gradient, Pass::Some(&mine));
                 for (&job, shares) in mine.iter().zip(&shares) {
-                    let state = &mut self.jobs[job];
-                    let shell = self.components[binding.plan.jobs[job].component as usize].wide_capacity;
-                    state.use_field(Field::new(&state.frame.for_step(step), &state.capacity, shell, state.volume * shares[step]));
+                    let (target, state) = (&targets.jobs[job], &mut fields.jobs[job]);
+                    let shell = fields.components[binding.plan.jobs[job].component as usize].wide_capacity;
+                    state.field = Field::new(&target.frame.for_step(step), &state.capacity, shell, target.volume * shares[step]);
+                    correction.jobs[job].count(&state.field);
                 }
-                self.add_fields(
-                    binding,
-                    supports,
-                    settings,
+                fields.add(
+                    problem,
+                    gradient,
+                    correction,
                     Pass::Some(&mine),
                     #[inline(always)]
                     |old, new| {
@@ -60,15 +64,17 @@ impl Workspace {
             }
         }
     }
+}
 
-    /// Gradient of the surface moved so far.
-    fn sweep_moved(&mut self, binding: &Binding) {
+impl Gradient {
+    /// Of the surface moved so far.
+    fn sweep_moved(&mut self, problem: Problem, moves: &[Move]) {
         let level = Level::new();
+        let (binding, skinned) = (problem.bound.binding, &problem.skinned.places);
         let patches = &binding.patches;
-        let (skinned, moves) = (&self.skinned, &self.moves);
         let place = |slot: usize| add(skinned.at(slot), widened(moves[slot].by));
         let (sources, giant_sources) = self.sources.split_at_mut(patches.patch_source_count());
-        let arrays = (ragged(&mut self.gradient, &patches.slot_offsets), Ragged::new(sources, &patches.source_offsets));
+        let arrays = (ragged(&mut self.rows, &patches.slot_offsets), Ragged::new(sources, &patches.source_offsets));
         for_each_piece(patches.list.len(), arrays, &|index, (gradient, sources)| {
             let patch = &patches.list[index];
             let (mut p, mut by_point): (Buffer, Buffer) = ([lanes::ZERO; PATCH_POINTS], [lanes::ZERO; PATCH_POINTS]);
@@ -81,6 +87,6 @@ impl Workspace {
                 keep_gradient(simd, binding, patch, &by_point, gradient, sources.values);
             });
         });
-        sweep_giants(binding, &mut self.giant_volumes, giant_sources, place);
+        sweep_giants(binding, giant_sources, place, |_, _| {});
     }
 }

@@ -1,48 +1,61 @@
 //! All joints give back at once: sums over the gradient, how much of each field, displacements.
 
+use super::buffers::{ComponentOutcome, Correction, Fields, Gradient, JobOutcome, Solution};
 use super::pass::Pass;
+use super::places::ragged;
 use super::scratch::{Scratch, with_scratch};
-use super::{JobState, Workspace, in_single_precision, ragged};
+use super::{Bound, Problem, in_single_precision};
 use crate::binding::Binding;
 use crate::fields::field::{Capacity, Field};
-use crate::fields::joint::Joint;
 use crate::fields::patch_sums::{self, FieldRows, Move};
 use crate::fields::profile_weights;
-use crate::fields::supports::Supports;
 use crate::numeric::block_rows::Present;
 use crate::numeric::lanes::{V4, add};
 use crate::parallel::split::{Ragged, for_each_piece};
 use crate::surface::sweeps::{Buffer, GRADIENT_PARTS};
 
-impl Workspace {
+impl Solution {
     /// Displacements by all fields at once, and the field of the residual: the same with every joint giving, none taking.
-    pub(crate) fn correct_simultaneously(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
-        self.sum_capacities(binding, supports, settings, Pass::All);
-        self.solve(binding, Pass::All);
-        self.add_fields(
-            binding,
-            supports,
-            settings,
+    pub(super) fn correct_simultaneously(&mut self, problem: Problem) {
+        let Self { gradient, fields, correction } = self;
+        correction.start();
+        fields.sum_capacities(problem, gradient, Pass::All);
+        fields.solve(problem, &mut correction.jobs, Pass::All);
+        fields.add(
+            problem,
+            gradient,
+            correction,
             Pass::All,
             #[inline(always)]
             |old, new| *old = new,
         );
     }
+}
 
-    /// Reads the gradient and sums what each field could do with it.
-    pub(super) fn sum_capacities(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pass: Pass) {
-        let (patches, jobs, sources, mask) = (&binding.patches, &self.jobs, &self.sources, self.mask.as_deref());
-        let (places, has_profiles) = (self.skinned.near.each_ref().map(|c| &**c), !self.profiled.is_empty());
+impl Correction {
+    /// Nothing is done yet.
+    fn start(&mut self) {
+        self.jobs.fill(JobOutcome::default());
+        self.components.fill(ComponentOutcome::default());
+    }
+}
+
+impl Fields {
+    /// Reads the gradient and sums what each field could do with it. Sums the gradient itself where patches share points.
+    pub(super) fn sum_capacities(&mut self, problem: Problem, swept: &mut Gradient, pass: Pass) {
+        let Problem { bound: Bound { binding, supports, settings }, mask, skinned, targets } = problem;
+        let (patches, jobs, sources) = (&binding.patches, &targets.jobs, &swept.sources);
+        let (places, has_profiles) = (skinned.places.near.each_ref().map(|c| &**c), !self.profiled.is_empty());
         let profile_offsets = if has_profiles { &supports.block_offsets } else { &patches.no_rows };
         for_each_piece(
             patches.list.len(),
             (
-                ragged(&mut self.gradient, &patches.slot_offsets),
+                ragged(&mut swept.rows, &patches.slot_offsets),
                 Ragged::new(&mut self.profiled, profile_offsets),
                 Ragged::new(&mut self.capacities, supports.jobs_of_patch.offsets()),
-                &mut *self.patches,
+                &mut *self.wide_capacities,
             ),
-            &|index, (gradient, profiled, capacities, sums)| {
+            &|index, (gradient, profiled, capacities, wide)| {
                 let patch = &patches.list[index];
                 if pass.passes_over(patch.component) {
                     return;
@@ -61,7 +74,7 @@ impl Workspace {
                     }
                     let places = places.map(|row| &row[slots.clone()]);
                     let (all, _) = areas.as_chunks();
-                    sums[0].wide_capacity = patch_sums::sum_and_most(Present::first(all.len()), all, volumes, lengths).0;
+                    wide[0] = patch_sums::sum_and_most(Present::first(all.len()), all, volumes, lengths).0;
                     for (support, capacity) in supports.of_patch(index).zip(capacities.values) {
                         let state = &jobs[support.job];
                         *capacity = Capacity::default();
@@ -100,45 +113,53 @@ impl Workspace {
         for state in &mut self.components {
             state.wide_capacity = 0.0;
         }
-        for (patch, sums) in patches.list.iter().zip(&self.patches) {
-            self.components[patch.component as usize].wide_capacity += sums.wide_capacity * binding.area_unit;
+        for (patch, wide) in patches.list.iter().zip(&self.wide_capacities) {
+            self.components[patch.component as usize].wide_capacity += wide * binding.area_unit;
         }
     }
 
     /// How much of each field.
-    pub(super) fn solve(&mut self, binding: &Binding, pass: Pass) {
-        for (state, job) in self.jobs.iter_mut().zip(&binding.plan.jobs).filter(|(_, job)| !pass.passes_over(job.component)) {
+    pub(super) fn solve(&mut self, problem: Problem, outcomes: &mut [JobOutcome], pass: Pass) {
+        let Problem { bound: Bound { binding, .. }, targets, .. } = problem;
+        let is_solved = |component: usize| !pass.passes_over(component as u32);
+        for (component, state) in self.components.iter_mut().enumerate().filter(|(component, _)| is_solved(*component)) {
+            state.wide = targets.components[component].wide;
+        }
+        let states = self.jobs.iter_mut().zip(outcomes).zip(&targets.jobs);
+        for (((state, outcome), target), job) in states.zip(&binding.plan.jobs).filter(|(_, job)| is_solved(job.component as usize)) {
             let component = &mut self.components[job.component as usize];
-            if !state.frame.is_active {
-                component.wide += state.volume;
+            if !target.frame.is_active {
+                component.wide += target.volume;
                 continue;
             }
-            let field = Field::new(&state.frame, &state.capacity, component.wide_capacity, state.volume);
-            component.wide += state.volume - field.volume;
-            state.use_field(field);
+            state.field = Field::new(&target.frame, &state.capacity, component.wide_capacity, target.volume);
+            component.wide += target.volume - state.field.volume;
+            outcome.count(&state.field);
         }
-        for (_, state) in (0..).zip(&mut self.components).filter(|(component, _)| !pass.passes_over(*component)) {
+        for (component, state) in self.components.iter_mut().enumerate().filter(|(component, _)| is_solved(*component)) {
+            (state.wide_field, state.wide_residual) = (0.0, 0.0);
             if state.wide_capacity > 0.0 {
                 state.wide_field = in_single_precision(state.wide / state.wide_capacity);
-                state.wide_residual = in_single_precision((state.floor + state.wide.abs()) / state.wide_capacity);
+                let floor = targets.components[component].floor;
+                state.wide_residual = in_single_precision((floor + state.wide.abs()) / state.wide_capacity);
             }
         }
     }
 
     /// Computes the fields of some jobs in each patch; `keep` takes what they make of each point's move.
-    pub(super) fn add_fields(
-        &mut self,
-        binding: &Binding,
-        supports: &Supports,
-        settings: &[Joint],
+    pub(super) fn add(
+        &self,
+        problem: Problem,
+        swept: &Gradient,
+        correction: &mut Correction,
         pass: Pass,
         keep: impl Fn(&mut Move, Move) + Sync,
     ) {
-        let (jobs, components, patches, mask) = (&self.jobs, &self.components, &binding.patches, self.mask.as_deref());
-        let local = Some(&self.local).filter(|local| local.is_used && matches!(pass, Pass::All | Pass::Shell));
-        let (gradient, places, profiled) =
-            (self.gradient.each_ref().map(|c| &**c), self.skinned.near.each_ref().map(|c| &**c), &self.profiled);
-        for_each_piece(patches.list.len(), Ragged::new(&mut self.moves, &patches.slot_offsets), &|index, moves| {
+        let Problem { bound: Bound { binding, supports, settings }, mask, skinned, targets } = problem;
+        let (patches, Correction { moves, components: outcomes, .. }) = (&binding.patches, correction);
+        let local = Some(&targets.local).filter(|local| local.is_used && matches!(pass, Pass::All | Pass::Shell));
+        let (gradient, places) = (swept.rows.each_ref().map(|c| &**c), skinned.places.near.each_ref().map(|c| &**c));
+        for_each_piece(patches.list.len(), Ragged::new(moves, &patches.slot_offsets), &|index, moves| {
             let patch = &patches.list[index];
             if pass.passes_over(patch.component) {
                 return;
@@ -147,7 +168,7 @@ impl Workspace {
                 let slots = patch.start..patches.slot_offsets[index + 1] as usize;
                 let (gradient, places) = (gradient.map(|row| &row[slots.clone()]), places.map(|row| &row[slots.clone()]));
                 let areas = &binding.inverse_areas[slots.clone()];
-                let component = &components[patch.component as usize];
+                let component = &self.components[patch.component as usize];
                 let Scratch { fields: FieldRows { directions, volumes, lengths, bell, .. }, sum, .. } = scratch;
                 patch_sums::directions(gradient, areas, directions, volumes, lengths);
                 if let Some(mask) = mask {
@@ -159,35 +180,34 @@ impl Workspace {
                     sum.add_local(&local.volumes[slots.clone()], &local.bounds[slots.clone()], gradient, areas, lengths);
                 }
                 let of_patch = supports.block_offsets[index] as usize..supports.block_offsets[index + 1] as usize;
-                let profiled = profiled.get(of_patch).unwrap_or_default();
+                let profiled = self.profiled.get(of_patch).unwrap_or_default();
                 for support in supports.of_patch(index) {
-                    let state = &jobs[support.job];
-                    if !state.frame.is_active || !pass.concerns(support.job) {
+                    let (target, field) = (&targets.jobs[support.job], &self.jobs[support.job].field);
+                    if !target.frame.is_active || !pass.concerns(support.job) {
                         continue;
                     }
                     let bell = &mut bell[..support.weights.len()];
-                    let takes = state.volume.is_sign_negative();
-                    sum.add_round(takes, &state.field, support, places, &state.frame, bell);
-                    if state.frame.has_axes() {
+                    let takes = target.volume.is_sign_negative();
+                    sum.add_round(takes, field, support, places, &target.frame, bell);
+                    if target.frame.has_axes() {
                         let has_profiles = settings[binding.plan.jobs[support.job].joint as usize].profiles.is_some();
                         let heights = if has_profiles { &profiled[support.blocks()] } else { &*bell };
-                        sum.add_shaped(takes, &state.field, support.present, heights, directions);
+                        sum.add_shaped(takes, field, support.present, heights, directions);
                     }
                 }
                 let shell = if is_wide { [component.wide_field, component.wide_residual] } else { [0.0; 2] };
-                sum.end(areas, shell, !component.is_wide_only, directions, moves.values, &keep);
+                sum.end(areas, shell, !outcomes[patch.component as usize].is_wide_only, directions, moves.values, &keep);
             });
         });
     }
 }
 
-impl JobState {
-    /// Uses a field, and counts what it does.
-    pub(super) fn use_field(&mut self, field: Field) {
+impl JobOutcome {
+    /// Counts what a field does.
+    pub(super) fn count(&mut self, field: &Field) {
         self.regained += field.volume;
         self.displacement += field.displacement;
         self.is_capped |= field.is_capped;
-        self.field = field;
     }
 }
 

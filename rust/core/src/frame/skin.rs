@@ -5,8 +5,9 @@ use fearless_simd::{Level, Simd, dispatch};
 
 use super::added::Added;
 use super::body::Body;
+use super::buffers::{Gradient, Posed, Skinned, SkinnedPatch, Staged};
+use super::places::ragged;
 use super::scratch::{Scratch, with_scratch};
-use super::{PatchSums, Workspace, ragged};
 use crate::binding::Binding;
 use crate::numeric::block_rows::{LANES, PATCH_POINTS};
 use crate::numeric::lanes::{self, Four, V4};
@@ -17,33 +18,39 @@ use crate::surface::sweeps::{self, Buffer, GRADIENT_PARTS, mean_and_cross, polyg
 use crate::volume_losses::job::{Change, Moment};
 use crate::volume_losses::staged::{Portion, Rows, giant_moment, giant_volume};
 
-impl Workspace {
+impl Skinned {
     /// Skins all points; volume and gradient of the skinned surface, and stages on the way to it.
-    pub(crate) fn skin(&mut self, binding: &Binding) {
+    pub(super) fn skin<'a>(
+        &'a mut self,
+        binding: &Binding,
+        posed: &Posed,
+        staged: &'a mut Staged,
+        swept: &mut Gradient,
+    ) -> (&'a Self, &'a Staged) {
         let level = Level::new();
         let patches = &binding.patches;
         let count = patches.list.len();
-        let stages = if self.is_staged(binding) { Some(&binding.plan.stages) } else { None };
-        let (motions, added, rest_body) = (&self.motions, &self.added, &self.body);
+        let stages = if posed.is_staged(binding) { Some(&binding.plan.stages) } else { None };
+        let (motions, added, rest_body) = (&posed.motions, &posed.added, &posed.body);
         let rest = rest_body.rest(binding);
         let has_shapes = !rest_body.of_site.is_empty();
         let change_offsets = stages.map_or(&*patches.no_rows, |stages| &stages.change_offsets()[..=count]);
         let moment_offsets = if stages.is_some() { &patches.numbers } else { &patches.no_rows };
-        let (changes, giant_changes) = self.stage_changes.split_at_mut(change_offsets[count] as usize);
-        let (moments, giant_moments) = self.portion_moments.split_at_mut(moment_offsets[count] as usize);
-        let (sources, giant_sources) = self.sources.split_at_mut(patches.patch_source_count());
+        let (changes, giant_changes) = staged.changes.split_at_mut(change_offsets[count] as usize);
+        let (moments, giant_moments) = staged.portion_moments.split_at_mut(moment_offsets[count] as usize);
+        let (sources, giant_sources) = swept.sources.split_at_mut(patches.patch_source_count());
         for_each_piece(
             count,
             (
-                (ragged(&mut self.skinned.near, &patches.slot_offsets), ragged(&mut self.skinned.rest, &patches.slot_offsets)),
-                ragged(&mut self.gradient, &patches.slot_offsets),
+                (ragged(&mut self.places.near, &patches.slot_offsets), ragged(&mut self.places.rest, &patches.slot_offsets)),
+                ragged(&mut swept.rows, &patches.slot_offsets),
                 Ragged::new(sources, &patches.source_offsets),
                 &mut *self.patches,
                 (Ragged::new(changes, change_offsets), Ragged::new(moments, moment_offsets)),
             ),
             &|index, ((near, rest_of_it), gradient, sources, sums, (changes, moment))| {
                 let from = Skinner { binding, motions, rest_body, added, index };
-                let into = Skinned {
+                let into = SkinnedInto {
                     near: near.map(|row| row.values),
                     rest: rest_of_it.map(|row| row.values),
                     gradient: gradient.map(|row| row.values),
@@ -55,14 +62,14 @@ impl Workspace {
                 with_scratch(|scratch| dispatch!(level, simd => skin_patch(simd, from, into, scratch)));
             },
         );
-        sweep_giants(binding, &mut self.giant_volumes, giant_sources, |slot| self.skinned.at(slot));
-        let Some(stages) = stages else { return };
+        sweep_giants(binding, giant_sources, |slot| self.places.at(slot), |giant, volume| self.giant_volumes[giant] = volume);
+        let Some(stages) = stages else { return (self, staged) };
         let mut giant_changes = giant_changes;
         let shaped_rest = has_shapes.then_some(rest);
         for (index, (giant, moment)) in patches.giants.iter().zip(giant_moments).enumerate() {
             let corners = giant.corners.len();
             let padded = corners.next_multiple_of(LANES);
-            let mut positions = &mut self.giant_positions[..padded];
+            let mut positions = &mut staged.giant_positions[..padded];
             if has_shapes {
                 for (p, &slot) in positions.iter_mut().zip(&giant.corners) {
                     *p = binding.sites.mean(slot as usize, |site| rest[site]);
@@ -72,7 +79,7 @@ impl Workspace {
             let (changes, rest_of_them) = giant_changes.split_at_mut(stages.joint_count(count + index));
             let portion =
                 Portion { index: count + index, slots: &giant.corners, sites: &binding.sites, shaped_rest, motions, moment: *moment };
-            let rows = Rows::new(&mut self.giant_room, padded);
+            let rows = Rows::new(&mut staged.giant_room, padded);
             let volume = |p: &&mut [V4]| giant_volume(&p[..corners]);
             let last = dispatch!(level, simd => stages.measure(simd, portion, rows, &mut positions, volume, changes));
             if let Some(last) = last {
@@ -81,8 +88,9 @@ impl Workspace {
             giant_changes = rest_of_them;
         }
         if has_shapes {
-            binding.plan.portions(true).rigid_moments(&self.portion_moments, &mut self.job_moments);
+            binding.plan.portions(true).rigid_moments(&staged.portion_moments, &mut staged.job_moments);
         }
+        (self, staged)
     }
 }
 
@@ -97,19 +105,19 @@ struct Skinner<'a> {
 }
 
 /// What skinning a patch leaves.
-struct Skinned<'a> {
+struct SkinnedInto<'a> {
     near: [&'a mut [f32]; 3],
     rest: [&'a mut [f32]; 3],
     gradient: [&'a mut [f32]; 3],
     sources: &'a mut [V4],
-    sums: &'a mut PatchSums,
+    sums: &'a mut SkinnedPatch,
     changes: &'a mut [Change],
     moment: Option<&'a mut Moment>,
 }
 
 /// Skins the points a patch sees; keeps those it owns, the gradient of all, and what its joints lose.
 #[inline(always)]
-fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scratch) {
+fn skin_patch<S: Simd>(simd: S, from: Skinner, into: SkinnedInto, scratch: &mut Scratch) {
     let Skinner { binding, motions, rest_body, added, index } = from;
     let (rest, has_shapes) = (rest_body.rest(binding), !rest_body.of_site.is_empty());
     let (patches, sites, palette, stages) = (&binding.patches, &binding.sites, &motions.palette, &binding.plan.stages);
@@ -159,7 +167,7 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
     if let Some(last) = last {
         into.changes[last].loss -= volume;
     }
-    *into.sums = PatchSums { volume, ..PatchSums::default() };
+    *into.sums = SkinnedPatch { volume, gap_squared: 0.0 };
     keep_gradient(simd, binding, patch, by_point, into.gradient, into.sources);
     keep_places(simd, patch, p, into.near, into.rest);
     if sites.is_split() || rest_body.is_split() {
@@ -240,14 +248,14 @@ fn clear_padding(patch: &Patch, rows: [&mut [f32]; 3]) {
     }
 }
 
-/// Volume and gradient of faces too large for any patch.
-pub(super) fn sweep_giants(binding: &Binding, volumes: &mut [f64], sources: &mut [V4], place: impl Fn(usize) -> V4) {
+/// Gradient of faces too large for any patch; `keep` is told the volume of each.
+pub(super) fn sweep_giants(binding: &Binding, sources: &mut [V4], place: impl Fn(usize) -> V4, mut keep: impl FnMut(usize, f64)) {
     let mut sources = sources.iter_mut();
-    for (giant, volume) in binding.patches.giants.iter().zip(volumes) {
+    for (index, giant) in binding.patches.giants.iter().enumerate() {
         let count = giant.corners.len();
         let at = |i: usize| place(giant.corners[i % count] as usize);
         let (mean, area) = mean_and_cross((0..count).map(at));
-        *volume = lanes::sum(lanes::mul(mean, area)) / 6.0;
+        keep(index, lanes::sum(lanes::mul(mean, area)) / 6.0);
         for (i, source) in (0..count).zip(&mut sources) {
             *source = polygon_gradient(mean, area, at(i + count - 1), at(i + 1), count);
         }

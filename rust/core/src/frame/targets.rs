@@ -1,51 +1,58 @@
 //! What each joint has lost, and what each component is to have.
 
-use super::{ComponentState, JobState, Pose, Workspace};
+use super::buffers::{ComponentTarget, JobTarget, Losses, Posed, Skinned, Staged, Targets};
+use super::{Bound, Pose};
 use crate::binding::Binding;
 use crate::fields::field::FieldFrame;
-use crate::fields::joint::Joint;
-use crate::fields::supports::Supports;
 use crate::volume_losses::hung::hand_on;
 
 /// Losses below this part of a component's volume share a residual with the whole shell instead of taking all of it.
 const LOSS_FLOOR: f64 = 1e-3;
 
-impl Workspace {
-    /// Losses that no skinned point is needed for.
-    pub(crate) fn measure_forms(&mut self, binding: &Binding) {
-        let is_staged = self.is_staged(binding);
-        if let (false, Some(forms), Some(buffers)) = (is_staged, &binding.plan.forms, &mut self.forms) {
-            forms.measure(&self.motions, buffers);
+impl Losses {
+    /// Those that no skinned point is needed for.
+    pub(super) fn measure_forms(&mut self, binding: &Binding, posed: &Posed) {
+        if let (false, Some(forms), Some(buffers)) = (posed.is_staged(binding), &binding.plan.forms, &mut self.forms) {
+            forms.measure(&posed.motions, buffers);
         }
     }
 
-    /// Losses, targets, and the volume each job is to give back.
-    pub(crate) fn measure(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pose: &Pose) {
-        binding.plan.carry(&self.motions, &self.job_moments, &mut self.changes);
-        let is_staged = self.is_staged(binding);
+    /// All of them.
+    pub(super) fn gather(&mut self, binding: &Binding, posed: &Posed, staged: &Staged) -> &Self {
+        let (motions, changes, is_staged) = (&posed.motions, &mut self.changes, posed.is_staged(binding));
+        binding.plan.carry(motions, &staged.job_moments, changes);
         match (is_staged, &binding.plan.forms, &self.forms) {
-            (false, Some(forms), Some(buffers)) => forms.gather(buffers, &mut self.changes),
-            _ => binding.plan.stages.gather(&self.stage_changes, &mut self.changes),
+            (false, Some(forms), Some(buffers)) => forms.gather(buffers, changes),
+            _ => binding.plan.stages.gather(&staged.changes, changes),
         }
-        binding.plan.carry_shells(&self.motions, is_staged, &self.portion_moments, &mut self.changes);
-        hand_on(&binding.plan.jobs, &self.motions, &mut self.changes);
-        self.components.fill(ComponentState::default());
+        binding.plan.carry_shells(motions, is_staged, &staged.portion_moments, changes);
+        hand_on(&binding.plan.jobs, motions, changes);
+        self
+    }
+}
+
+impl Targets {
+    /// Targets, and the volume each job is to give back.
+    pub(super) fn measure(&mut self, bound: Bound, pose: &Pose, (posed, skinned, staged, losses): (&Posed, &Skinned, &Staged, &Losses)) {
+        let Bound { binding, supports, settings } = bound;
+        self.components.fill(ComponentTarget::default());
         // Moments are about the rest mesh in object space.
-        let armature_from_object = self.object.matrix3.determinant().recip();
-        for (moment, &component) in self.portion_moments.iter().zip(&binding.plan.portions(is_staged).components) {
+        let armature_from_object = posed.object.matrix3.determinant().recip();
+        let portions = binding.plan.portions(posed.is_staged(binding));
+        for (moment, &component) in staged.portion_moments.iter().zip(&portions.components) {
             self.components[component as usize].rest += moment.0 * armature_from_object;
         }
-        for (patch, sums) in binding.patches.list.iter().zip(&self.patches) {
-            self.components[patch.component as usize].skinned += sums.volume;
+        for (patch, found) in binding.patches.list.iter().zip(&skinned.patches) {
+            self.components[patch.component as usize].skinned += found.volume;
         }
-        for (giant, volume) in binding.patches.giants.iter().zip(&self.giant_volumes) {
+        for (giant, volume) in binding.patches.giants.iter().zip(&skinned.giant_volumes) {
             self.components[giant.component as usize].skinned += volume;
         }
         for state in &mut self.components {
             state.target = state.rest;
         }
-        self.jobs.fill(JobState::default());
-        for (index, (job, change)) in binding.plan.jobs.iter().zip(&self.changes).enumerate() {
+        self.jobs.fill(JobTarget::default());
+        for (index, (job, change)) in binding.plan.jobs.iter().zip(&losses.changes).enumerate() {
             let joint = job.joint as usize;
             let bone = binding.motions.tree.bones[joint] as usize;
             if pose.is_fleshed.is_some_and(|bones| bones[bone]) {
@@ -61,7 +68,7 @@ impl Workspace {
                 None => state.wide += given_back,
             }
         }
-        self.share_added_losses(binding, supports, settings, pose);
+        self.share_added_losses(bound, pose, posed, skinned, losses);
         for (state, job) in self.jobs.iter().zip(&binding.plan.jobs) {
             self.components[job.component as usize].spread += state.volume.abs();
         }
@@ -75,7 +82,7 @@ impl Workspace {
         for (index, job) in binding.plan.jobs.iter().enumerate() {
             let joint = job.joint as usize;
             let volume = self.jobs[index].volume;
-            self.jobs[index].frame = FieldFrame::new(&self.motions, joint, &settings[joint], supports.lengths[joint], volume);
+            self.jobs[index].frame = FieldFrame::new(&posed.motions, joint, &settings[joint], supports.lengths[joint], volume);
         }
     }
 
