@@ -24,6 +24,8 @@ const FLESHED_FAR: f64 = 1.5;
 #[derive(Debug, Clone, Default)]
 pub(super) struct Local {
     pub is_used: bool,
+    /// Per slot, what is added to the skin, armature space; empty where nothing is.
+    offsets: Vec<[f32; 3]>,
     /// Per slot, in units of the mean area: a length. Positive is to be given.
     pub volumes: Vec<f32>,
     /// Per slot, largest displacement.
@@ -39,24 +41,41 @@ pub(super) struct Local {
 }
 
 impl Local {
+    /// Room for offsets of all slots, and the rows of patches in it.
+    pub fn offsets_of<'a>(&'a mut self, binding: &'a Binding, has_added: bool) -> (&'a mut [[f32; 3]], &'a [u32]) {
+        let patches = &binding.patches;
+        self.offsets.resize(if has_added { patches.slot_count() } else { 0 }, [0.0; 3]);
+        (&mut self.offsets, if has_added { &patches.slot_offsets } else { &patches.no_rows })
+    }
+
     pub fn memory_bytes(&self) -> usize {
-        self.room.memory_bytes() + size_of_val(&*self.volumes) + size_of_val(&*self.bounds) + size_of_val(&*self.of_joints)
+        self.room.memory_bytes()
+            + size_of_val(&*self.offsets)
+            + size_of_val(&*self.volumes)
+            + size_of_val(&*self.bounds)
+            + size_of_val(&*self.of_joints)
     }
 }
 
 impl Workspace {
     /// Finds where added offsets took volume; adds to what joints give back what is theirs of it.
     pub(super) fn share_added_losses(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pose: &Pose) {
-        self.local.is_used = self.added.moves_anything();
+        let rounding = self.added.rounding;
+        let is_moved = |offset: &[f32; 3]| offset.iter().any(|x| f64::from(x.abs()) > rounding);
+        self.local.is_used = self.local.offsets.iter().any(is_moved);
         if !self.local.is_used {
             return;
         }
         let (core, patches) = (binding.core(), &binding.patches);
         let missing = self.missing_by_component(binding);
-        let (places, added) = (&self.skinned, &self.added);
-        let Local { volumes, bounds, room, shown, skinned, lengthening, densities, of_joints, .. } = &mut self.local;
-        let bare = |slot: usize| lanes::sub(places.at(slot), added.of_slot(binding, slot));
-        core.begin(patches, |slot| added.of_slot(binding, slot) != lanes::ZERO, room);
+        let places = &self.skinned;
+        let Local { offsets, volumes, bounds, room, shown, skinned, lengthening, densities, of_joints, .. } = &mut self.local;
+        let offsets = &**offsets;
+        let bare = |slot: usize| {
+            let [x, y, z] = offsets[slot].map(f64::from);
+            lanes::sub(places.at(slot), [x, y, z, 0.0])
+        };
+        core.begin(patches, |slot| is_moved(&offsets[slot]), room);
         core.volumes(patches, bare, room, skinned, lengthening);
         core.volumes(patches, |slot| places.at(slot), room, shown, lengthening);
         core.densities(room, skinned, shown, missing, densities);

@@ -67,6 +67,9 @@ pub struct Pose<'a> {
     pub strengths: Option<&'a [f64]>,
     /// Per vertex, object space: what another deformer adds to the skin before its volume is looked at.
     pub added_offsets: Option<&'a [[f32; 3]]>,
+    /// Per vertex, object space: where other deformers leave the skin, in place of offsets that they add. What lies farther from
+    /// the frame's own skin than rounding takes it was moved by them.
+    pub posed_positions: Option<&'a [[f32; 3]]>,
     /// Per bone, whether that deformer moves its flesh: what skinning loses there is not missing.
     pub is_fleshed: Option<&'a [bool]>,
     /// Whether folds of the correction are repaired.
@@ -84,6 +87,7 @@ impl<'a> Pose<'a> {
             target_scale: 1.0,
             strengths: None,
             added_offsets: None,
+            posed_positions: None,
             is_fleshed: None,
             repair_folds: false,
         }
@@ -300,7 +304,7 @@ impl Workspace {
         if total > 0.0 {
             origin /= total;
         }
-        origin += self.take_added(binding, pose.added_offsets)?;
+        let origin = self.take_added(binding, pose.added_offsets, pose.posed_positions, origin)?;
         self.motions.set(&self.channels, armature_from_rest, origin, binding.size, keep_bone_scale);
         Ok(())
     }
@@ -315,6 +319,9 @@ impl Workspace {
 
     /// Skinned position of a vertex in armature space, with what is added to it.
     pub(crate) fn skinned_vertex(&self, binding: &Binding, vertex: usize) -> DVec3 {
+        if let Some(place) = self.added.place_of_vertex(vertex) {
+            return lanes::to(place) + self.motions.palette.origin;
+        }
         let slot = binding.slot_of_vertex[vertex] as usize;
         // A point whose twins are skinned alike is where the frame has left it.
         if slot < self.moves.len() && binding.sites.of_slot(slot).len() == 1 && !self.body.is_split() {
