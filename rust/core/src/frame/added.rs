@@ -35,12 +35,12 @@ impl Added {
         size_of_val(&*self.of_vertex)
     }
 
-    /// Of a point, the mean over its twins: where it is when posed, else how far it is moved.
+    /// Of a point, the mean over its vertices: where it is when posed, else how far it is moved.
     #[inline]
     pub fn of_slot(&self, binding: &Binding, slot: usize) -> V4 {
-        let twins = binding.vertices_of_slot().row(slot);
-        let sum = twins.iter().fold(lanes::ZERO, |sum, &vertex| lanes::add(sum, self.at(vertex as usize)));
-        let mean = lanes::scale(sum, 1.0 / twins.len().max(1) as f64);
+        let coincident = binding.vertices_of_slot().row(slot);
+        let sum = coincident.iter().fold(lanes::ZERO, |sum, &vertex| lanes::add(sum, self.at(vertex as usize)));
+        let mean = lanes::scale(sum, 1.0 / coincident.len().max(1) as f64);
         self.places.as_ref().map_or(mean, |places| lanes::transform(places, mean))
     }
 
@@ -63,8 +63,8 @@ impl Added {
 }
 
 impl Workspace {
-    /// Takes what is added to the skin, and returns the origin that is near to it; that of the skin is `origin`.
-    pub(super) fn take_added(
+    /// Sets what is added to the skin, and returns the origin that is near to it; that of the skin is `origin`.
+    pub(super) fn set_added(
         &mut self,
         binding: &Binding,
         offsets: Option<&[[f32; 3]]>,
@@ -86,7 +86,7 @@ impl Workspace {
         check_rows(what, given)?;
         let armature_from_object = self.object.inverse();
         if posed.is_some() {
-            return self.take_places(given, armature_from_object);
+            return self.set_places(given, armature_from_object);
         }
         let to_armature = armature_from_object.matrix3.as_mat3();
         self.added.of_vertex.extend(given.iter().map(|&offset| (to_armature * glam::Vec3::from(offset)).to_array()));
@@ -95,7 +95,7 @@ impl Workspace {
     }
 
     /// Returns the mean place.
-    fn take_places(&mut self, posed: &[[f32; 3]], armature_from_object: DAffine3) -> Result<DVec3> {
+    fn set_places(&mut self, posed: &[[f32; 3]], armature_from_object: DAffine3) -> Result<DVec3> {
         let (mut sum, mut reach) = ([0.0; 3], [0.0f32; 3]);
         for row in posed {
             for axis in 0..3 {
