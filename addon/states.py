@@ -31,7 +31,6 @@ from .scene.stack import Animated
 class EvaluatedStack(NamedTuple):
     """How a character is read whose stack Blender evaluates for us."""
 
-    shape_deltas: NDArray[np.float32]  # (K, N, 3)
     has_body: bool  # the body is another one on every frame
     corners: NDArray[np.int32] | None  # (C,) of the faces, where a modifier may make others on every frame
     suspect: str  # name of that modifier; empty without one

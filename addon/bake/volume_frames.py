@@ -201,8 +201,8 @@ def _is_same(a: settings.BodySettings, b: settings.BodySettings) -> bool:
     return a is b or all(np.array_equal(x, y) for x, y in zip(_flat(a), _flat(b), strict=True))
 
 
-def _kind(sample: Sample) -> tuple[int, bool]:
-    return id(sample.request.engine), "added_offsets" in sample.request.options
+def _kind(sample: Sample) -> tuple[object, ...]:
+    return id(sample.request.engine), *sample.request.options
 
 
 def _many(samples: Sequence[Sample], positions: NDArray[np.float32], folds: NDArray[np.int32]) -> None:
@@ -218,6 +218,7 @@ def _many(samples: Sequence[Sample], positions: NDArray[np.float32], folds: NDAr
         rest_positions=stacked("rest_positions"),
         target_scale=[part["target_scale"] for part in options],
         added_offsets=stacked("added_offsets"),
+        posed_positions=stacked("posed_positions"),
         fleshed=options[0].get("fleshed"),
         effect=[sample.effect for sample in samples],
         repair_folds="repair_folds" in options[0],

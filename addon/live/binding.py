@@ -146,6 +146,18 @@ def _bind(
     bones = skinned.bones
     if skinned.moving and not lane.is_evaluated:
         lane = lane._replace(poses=(skin.moving_weights(skinned),))
+    if skinned.turning and is_dual and not lane.is_evaluated:
+        text = message(
+            "Bone {bone} has an animated curve at rest, by whose axes Preserve Volume splits off scale",
+            bone=skinned.turning,
+        )
+        lane = lane._replace(poses=(text,))
+    weighed = placement.corners(read.positions) if skinned.is_placed else None
+    if weighed is not None and not lane.is_evaluated and _is_moved_along(target, rig, place, weighed):
+        reason = message(
+            "{object} may stand elsewhere to its bendy bones or envelopes than when bound", object=target.name
+        )
+        lane = lane._replace(poses=(reason,))
     if armature is not None:
         skin.check(skinned, armature, is_evaluated=lane.is_evaluated)
     evaluated = _evaluated(target, lane, read)
@@ -185,7 +197,7 @@ def _bind(
             0 if lane.is_evaluated else weights.unweighted_count(skinned.weights, skinned.mask),
             tuple(group_names),
             masked_by,
-            placement.corners(read.positions) if skinned.is_placed and not lane.is_evaluated else None,
+            None if lane.is_evaluated else weighed,
             evaluated,
         ),
         lane,
@@ -227,7 +239,7 @@ def _evaluated(target: bpy.types.Object, lane: stack_proof.Lane, read: rest.Rest
     fixed = stack.DEFORMING_TYPES | stack.STILL_TYPES
     looked_at = before if lane.moves else posing
     suspect = next((modifier.name for modifier in looked_at if modifier.type not in fixed), "")
-    return EvaluatedStack(read.shape_deltas, bool(lane.moves), read.face_corners if suspect else None, suspect)
+    return EvaluatedStack(bool(lane.moves), read.face_corners if suspect else None, suspect)
 
 
 def _is_alike(read: rest.RestMesh, found: tuple[int, NDArray[np.int32], NDArray[np.int32]]) -> bool:
@@ -266,6 +278,15 @@ def _fleshed(target: bpy.types.Object, bones: skeleton.RestBones) -> list[bool] 
     saved = target.turgor_spine
     chain = spine_chain.chain_names(saved.rig, saved.first_bone, saved.last_bone) or ()
     return [bones.names[bones.bone_of(row)] in chain for row in range(len(bones.parents))]
+
+
+def _is_moved_along(
+    target: bpy.types.Object, rig: bpy.types.Object, place: NDArray[np.float64], weighed: NDArray[np.float64]
+) -> bool:
+    """Whether the mesh stands elsewhere than where its weights were made, or may on some frame."""
+    if not stack_proof.stands_still_to(target, rig):
+        return True
+    return placement.is_elsewhere(target, placement.object_from_armature(target, rig), place, weighed)
 
 
 def _is_changed(before: VolumeBinding | None, rig: bpy.types.Object, content: str) -> bool:

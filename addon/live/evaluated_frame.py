@@ -1,4 +1,4 @@
-"""One frame of a character whose stack Blender evaluates: what the engine is to add to its own skin. Worker threads."""
+"""One frame of a character whose stack Blender evaluates: its body, and where the skin is left. Worker threads."""
 
 from __future__ import annotations
 
@@ -14,45 +14,29 @@ from ..scene.obstacles import Obstacle
 from ..states import EvaluatedStack, VolumeBinding
 from .binding_rules import BindError
 
-# Part of the largest coordinate up to which Blender's float32 skin and the engine's are the same.
-ROUNDING = 8.0 * float(np.finfo(np.float32).eps)
-
 
 def options(
     target: bpy.types.Object,
     bound: VolumeBinding,
-    inputs: frame.FrameInputs,
-    pose_matrices: NDArray[np.float32],
     *,
     is_off: bool,
 ) -> dict[str, Any]:
     """Arguments of `VolumeSkin.deform` by which the engine starts from what Blender evaluated, for `target` evaluated.
 
-    pose_matrices: (B, 4, 4) of the bones that were bound. Raises frame.FrameError, and BindError where a modifier makes
-    other vertices now.
-
     is_off: our modifier is off in this evaluation, and then Blender evaluates no twins.
+
+    Raises frame.FrameError, and BindError where a modifier makes other vertices now.
     """
     evaluated = bound.evaluated
     assert evaluated is not None
     holder = carrier.carrier_of(target)
     if holder is None or not holder.is_evaluated:
         raise frame.FrameError("The carrier of the character is gone: press Rebind")
-    posed = _shown(target, bound) if is_off else _read(holder, "pose", bound)
+    asked: dict[str, Any] = {"posed_positions": _shown(target, bound) if is_off else _read(holder, "pose", bound)}
     if evaluated.has_body:
-        body = _read(holder, "body", bound)
-        asked: dict[str, Any] = {"rest_positions": body}
-    else:
-        body, asked = _shaped(bound, evaluated.shape_deltas, inputs.shape_values), {}
-    skinned: NDArray[np.floating] = body
-    if len(pose_matrices):
-        skinned = bound.body.skinning.deform(body, pose_matrices, inputs.object_from_armature)
-    added = np.subtract(posed, skinned, dtype=np.float64).astype(np.float32)
-    # What rounding leaves is no deformation, and has no place where its volume was lost.
-    if np.abs(added).max(initial=0.0) > ROUNDING * np.abs(posed).max(initial=0.0):
-        asked["added_offsets"] = added
-        if bound.fleshed is not None:
-            asked["fleshed"] = bound.fleshed
+        asked["rest_positions"] = _read(holder, "body", bound)
+    if bound.fleshed is not None:
+        asked["fleshed"] = bound.fleshed
     return asked
 
 
@@ -99,14 +83,3 @@ def _other_topology(evaluated: EvaluatedStack, found: int, bound: int) -> Obstac
         bound=bound,
     )
     return Obstacle("other_topology", text, "MOVE_AFTER", evaluated.suspect)
-
-
-def _shaped(bound: VolumeBinding, deltas: NDArray[np.float32], values: NDArray[np.float32]) -> NDArray[np.floating]:
-    """(N, 3) the bound body with its shape keys."""
-    positions: NDArray[np.floating] = bound.body.rest.positions
-    used = np.flatnonzero(values)
-    if len(used):
-        positions = positions.astype(np.float64)
-        for key in used.tolist():
-            positions += float(values[key]) * deltas[key]
-    return positions

@@ -68,16 +68,13 @@ def read(target: bpy.types.Object, character: VolumeState, bound: VolumeBinding,
     inputs = frame.read_inputs(target, rig, bound.bones)
     pose_matrices, place = inputs.pose_matrices, inputs.object_from_armature
     if bound.weighed is not None and placement.is_elsewhere(target, place, bound.placement, bound.weighed):
-        text = (
-            "The mesh stands elsewhere to its armature than when bound, and bendy bones or envelopes hold it by other"
-            " weights there: put it back, or press Rebind"
-        )
-        raise frame.FrameError(text)
+        # Other weights hold it there: from the next evaluation on it is read as Blender evaluates it.
+        raise twin.StepError(f"{target.name} was moved along its bones just now: evaluate the scene once more")
     options = {"object_from_armature": place, "target_scale": now.saved.target_volume}
     if len(inputs.shape_values) and (bound.evaluated is None or not bound.evaluated.has_body):
         options["shape_values"] = inputs.shape_values
     if bound.evaluated is not None:
-        options |= evaluated_frame.options(target, bound, inputs, pose_matrices, is_off=is_off)
+        options |= evaluated_frame.options(target, bound, is_off=is_off)
     elif (
         bound.fleshed is not None and (added := spine_frame.added_offsets(target, bound.body.vertex_count)) is not None
     ):

@@ -87,13 +87,5 @@ def _motion(bound: VolumeBinding, samples: Iterable[Sample], frames: NDArray[np.
 
 
 def _measures(batch: Sequence[Sample], bound: VolumeBinding) -> turgor.Measures:
-    first = batch[0]
-    return first.engine.measure(
-        np.stack([sample.pose_matrices for sample in batch]),
-        object_from_armature=np.stack([sample.object_from_armature for sample in batch]),
-        shape_values=sampling.stacked([sample.shape_values for sample in batch]) if len(first.shape_values) else None,
-        rest_positions=sampling.stacked([sample.rest_positions for sample in batch]),
-        target_scale=np.array([sample.target_scale for sample in batch]),
-        added_offsets=sampling.stacked([sample.added_offsets for sample in batch]),
-        fleshed=None if first.added_offsets is None else bound.fleshed,
-    )
+    poses = np.stack([sample.pose_matrices for sample in batch])
+    return batch[0].engine.measure(poses, **sampling.arguments(batch, bound))

@@ -236,7 +236,7 @@ def _fingerprint(samples: Sequence[Sample]) -> str:
             sample.strengths,
             sample.object_from_armature,
             sample.shape_values,
-            np.zeros(0, np.float32) if sample.added_offsets is None else sample.added_offsets,
+            np.zeros(0, np.float32) if sample.moved is None else sample.moved,
             np.zeros(0, np.float32) if sample.rest_positions is None else sample.rest_positions,
         )
     ]
@@ -257,16 +257,8 @@ def _need(target: bpy.types.Object, bound: VolumeBinding, samples: Sequence[Samp
 
 
 def _of_batch(batch: Sequence[Sample], bound: VolumeBinding) -> turgor.RefinementNeed:
-    first = batch[0]
-    return first.engine.refinement_need(
-        np.stack([sample.pose_matrices for sample in batch]),
-        object_from_armature=np.stack([sample.object_from_armature for sample in batch]),
-        shape_values=sampling.stacked([sample.shape_values for sample in batch]) if len(first.shape_values) else None,
-        rest_positions=sampling.stacked([sample.rest_positions for sample in batch]),
-        target_scale=np.array([sample.target_scale for sample in batch]),
-        added_offsets=sampling.stacked([sample.added_offsets for sample in batch]),
-        fleshed=None if first.added_offsets is None else bound.fleshed,
-    )
+    poses = np.stack([sample.pose_matrices for sample in batch])
+    return batch[0].engine.refinement_need(poses, **sampling.arguments(batch, bound))
 
 
 def _level(split: Split) -> refined_mesh.Level:

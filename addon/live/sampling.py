@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import groupby
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import bpy
 import numpy as np
@@ -40,8 +40,20 @@ class Sample(NamedTuple):
     pose_matrices: NDArray[np.float32]  # (B, 4, 4)
     object_from_armature: NDArray[np.float64]  # (4, 4)
     shape_values: NDArray[np.float32]  # (K,)
-    added_offsets: NDArray[np.float32] | None  # (N, 3) of Turgor Spine, or of whatever else Blender evaluated
+    added_offsets: NDArray[np.float32] | None  # (N, 3) of Turgor Spine
+    posed_positions: NDArray[np.float32] | None  # (N, 3) where Blender evaluates the stack for us
     rest_positions: NDArray[np.float32] | None  # (N, 3) the body, where it is another on every frame
+
+    @property
+    def own_bytes(self) -> int:
+        """Of positions and offsets that this frame alone has."""
+        own = (self.added_offsets, self.posed_positions, self.rest_positions)
+        return sum(array.nbytes for array in own if array is not None)
+
+    @property
+    def moved(self) -> NDArray[np.float32] | None:
+        """What moves skin apart from bones."""
+        return self.added_offsets if self.posed_positions is None else self.posed_positions
 
 
 def bound(target: bpy.types.Object) -> VolumeBinding:
@@ -90,6 +102,7 @@ def samples(
             asked.options["object_from_armature"],
             asked.options.get("shape_values", np.zeros(0, np.float32)),
             asked.options.get("added_offsets"),
+            asked.options.get("posed_positions"),
             asked.options.get("rest_positions"),
         )
         tell(done + 1)
@@ -104,21 +117,34 @@ def turned(target: bpy.types.Object, bound: VolumeBinding) -> Iterator[Sample]:
     poses = range_of_motion.poses(bound.bones.parents.tolist(), bound.bones.rest_matrices, joints, groups)
     shape_values = np.zeros_like(shape_keys.read_values(target))
     for pose in poses:
-        yield Sample(engine, strengths, 1.0, pose, bound.placement, shape_values, None, None)
+        yield Sample(engine, strengths, 1.0, pose, bound.placement, shape_values, None, None, None)
 
 
 def batches(poses: Iterable[Sample]) -> Iterator[list[Sample]]:
     """Lists of neighbouring samples under the same settings; of fewer where each has positions of its own."""
-    for _, alike in groupby(poses, lambda sample: (id(sample.engine), sample.added_offsets is None)):
+    for _, alike in groupby(poses, lambda sample: (id(sample.engine), sample.own_bytes > 0)):
         batch: list[Sample] = []
         for sample in alike:
             batch.append(sample)
-            own_bytes = 0 if sample.added_offsets is None else 2 * sample.added_offsets.nbytes
-            if len(batch) == BATCH or len(batch) * own_bytes > BATCH_BYTES:
+            if len(batch) == BATCH or len(batch) * sample.own_bytes > BATCH_BYTES:
                 yield batch
                 batch = []
         if batch:
             yield batch
+
+
+def arguments(batch: Sequence[Sample], bound: VolumeBinding) -> dict[str, Any]:
+    """What the engine is asked for samples of one batch, beside pose_matrices."""
+    first = batch[0]
+    return {
+        "object_from_armature": np.stack([sample.object_from_armature for sample in batch]),
+        "shape_values": stacked([sample.shape_values for sample in batch]) if len(first.shape_values) else None,
+        "rest_positions": stacked([sample.rest_positions for sample in batch]),
+        "target_scale": np.array([sample.target_scale for sample in batch]),
+        "added_offsets": stacked([sample.added_offsets for sample in batch]),
+        "posed_positions": stacked([sample.posed_positions for sample in batch]),
+        "fleshed": None if first.moved is None else bound.fleshed,
+    }
 
 
 def stacked(arrays: Sequence[NDArray[np.float32] | None]) -> NDArray[np.float32] | None:
@@ -133,18 +159,18 @@ class Watched:
     def __init__(self, poses: Iterator[Sample]) -> None:
         self._samples = poses
         self._first: NDArray[np.float32] | None = None
-        self._first_added: NDArray[np.float32] | None = None
+        self._first_moved: NDArray[np.float32] | None = None
         self.has_moved = False
 
     def __iter__(self) -> Iterator[Sample]:
         for sample in self._samples:
             if self._first is None:
-                self._first, self._first_added = sample.pose_matrices, sample.added_offsets
+                self._first, self._first_moved = sample.pose_matrices, sample.moved
             if not self.has_moved:
                 self.has_moved = _differ(sample.pose_matrices, self._first)
-            added, first = sample.added_offsets, self._first_added
-            if not self.has_moved and added is not None:
-                self.has_moved = first is None or _differ(added, first)
+            moved, first = sample.moved, self._first_moved
+            if not self.has_moved and moved is not None:
+                self.has_moved = first is None or _differ(moved, first)
             yield sample
 
 

@@ -32,6 +32,7 @@ class Skin(NamedTuple):
     mask: NDArray[np.float32] | None  # (N,) its own vertex group
     is_placed: bool  # weights depend on where the mesh stands to the armature: by bendy bones or envelopes
     moving: str  # what moves weights from frame to frame; empty where nothing does
+    turning: str = ""  # bone of this skin whose curve at rest is animated; empty without one
 
 
 def read_skin(
@@ -77,6 +78,7 @@ def read_skin(
             for bone in np.unique(held.bones[held.weights != 0.0]).tolist()
             if made.segments[bone] > 1
         }
+        animated = [bone for bone, bend in bends.items() if bend.animated]
         moving = _moving_rest(bones, bends) or _moving_key(
             read, armature, made, posed, bends, points, armature_from_object
         )
@@ -95,7 +97,7 @@ def read_skin(
     assert bent.bends is not None
     of_nodes = [node for _, bone_nodes in bent.bends.reads for node in bone_nodes]
     rows[bent.bends.bones, of_nodes] = bent.bends.rows
-    return Skin(bent, split.on_rows(rows), mask, True, moving)
+    return Skin(bent, split.on_rows(rows), mask, True, moving, bones.names[animated[0]] if animated else "")
 
 
 def check(skinned: Skin, armature: bpy.types.ArmatureModifier, *, is_evaluated: bool) -> None:

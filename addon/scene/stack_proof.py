@@ -169,6 +169,29 @@ def _stands_still(ob: bpy.types.Object | None) -> bool:
     return True
 
 
+def stands_still_to(ob: bpy.types.Object, other: bpy.types.Object) -> bool:
+    """Whether two objects are known to stand to each other on every frame as they do now."""
+    ways = [list(_way_up(each)) for each in (ob, other)]
+    shared = next((each for each in ways[0] if each in ways[1]), None)
+    below = [way if shared is None else way[: way.index(shared)] for way in ways]
+    return all(_is_placed_by_hand(each) for way in below for each in way)
+
+
+def _way_up(ob: bpy.types.Object | None) -> Iterator[bpy.types.Object]:
+    while ob is not None:
+        yield ob
+        ob = ob.parent
+
+
+_PLACE_PATHS = ("location", "rotation", "scale", "delta_", "matrix_", "parent")
+
+
+def _is_placed_by_hand(ob: bpy.types.Object) -> bool:
+    """Whether nothing but the artist changes where an object stands to its parent."""
+    is_free = not len(ob.constraints) and ob.rigid_body is None and (ob.parent is None or ob.parent_type == "OBJECT")
+    return is_free and not any(path.startswith(_PLACE_PATHS) for path in stack.animated_paths(ob.animation_data))
+
+
 def _is_animated(owner: bpy.types.ID) -> bool:
     animation = getattr(owner, "animation_data", None)
     if animation is None:

@@ -687,10 +687,11 @@ TEXTS: dict[str, str] = {
     "Segments of bendy bones are others than were bound: press Rebind": (
         "Segmente von Biegeknochen sind andere als die gebundenen: Neu binden drücken"
     ),
-    "The mesh stands elsewhere to its armature than when bound, and bendy bones or envelopes hold it by other weights"
-    " there: put it back, or press Rebind": (
-        "Das Netz steht anders zu seiner Armatur als beim Binden, und Biegeknochen oder Hüllen halten es dort mit"
-        " anderen Gewichten: zurückstellen oder Neu binden drücken"
+    "Bone {bone} has an animated curve at rest, by whose axes Preserve Volume splits off scale": (
+        "Knochen {bone} hat eine animierte Kurve in Ruhe, nach deren Achsen Volumen erhalten die Skalierung abspaltet"
+    ),
+    "{object} may stand elsewhere to its bendy bones or envelopes than when bound": (
+        "{object} kann anders zu seinen Biegeknochen oder Hüllen stehen als beim Binden"
     ),
     "Bendy bones of this character lie by how others are posed: pose-driven keys cannot follow, bake its frames": (
         "Biegeknochen dieser Figur liegen so, wie andere Knochen stehen: Von Posen getriebene Schlüssel können ihnen"

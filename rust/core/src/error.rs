@@ -34,6 +34,8 @@ pub enum Error {
     Singular { determinant: f64 },
     #[error("{what} is {found}, need {needed}")]
     Value { what: &'static str, found: f64, needed: &'static str },
+    #[error("{one} and {other} are both given: need one of them")]
+    Both { one: &'static str, other: &'static str },
     #[error("bone {bone} is named by two joints: keep one")]
     JointTwice { bone: usize },
     #[error("bone {bone} has no joint: need a bone of joint_bones, one that carries weight")]

@@ -56,6 +56,18 @@ fn read_shaped<T: numpy::Element + Copy>(
     needed: &str,
     accepts: impl Fn(&[usize]) -> bool,
 ) -> PyResult<(Vec<T>, Vec<usize>)> {
+    copy_shaped(value, what, dtype, needed, accepts, <[T]>::to_vec)
+}
+
+/// What `copy` makes of the values of an array whose shape `accepts` allows, and that shape.
+fn copy_shaped<T: numpy::Element + Copy, U>(
+    value: &Bound<'_, PyAny>,
+    what: &str,
+    dtype: &str,
+    needed: &str,
+    accepts: impl Fn(&[usize]) -> bool,
+    copy_of: impl Fn(&[T]) -> U,
+) -> PyResult<(U, Vec<usize>)> {
     let lies_well = |array: &&Bound<'_, PyArrayDyn<T>>| array.is_c_contiguous() && array.data().is_aligned();
     let copy;
     // Without a call of numpy where there is nothing to convert: frames come with such arrays.
@@ -68,7 +80,7 @@ fn read_shaped<T: numpy::Element + Copy>(
     if !accepts(array.shape()) {
         return Err(TurgorError::new_err(format!("{what}: need {dtype} {needed}, got {}", describe(value))));
     }
-    let values = array.try_readonly().map_err(|e| PyValueError::new_err(format!("{what}: {e}")))?.as_slice()?.to_vec();
+    let values = copy_of(array.try_readonly().map_err(|e| PyValueError::new_err(format!("{what}: {e}")))?.as_slice()?);
     Ok((values, array.shape().to_vec()))
 }
 
@@ -89,16 +101,16 @@ pub fn vectors(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<DVec3>> {
 }
 
 pub fn float_rows(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<[f32; 3]>> {
-    let flat: Vec<f32> = read(value, what, "float32", "(N, 3)", |shape| shape.len() == 2 && shape[1] == 3)?;
-    Ok(flat.as_chunks::<3>().0.to_vec())
+    let accepts = |shape: &[usize]| matches!(*shape, [0] | [_, 3]);
+    Ok(copy_shaped(value, what, "float32", "(N, 3)", accepts, |flat: &[f32]| flat.as_chunks::<3>().0.to_vec())?.0)
 }
 
 /// Rows of three numbers of each of so many frames, or the same for all; whether they are of each.
 pub fn float_rows_of_frames(value: &Bound<'_, PyAny>, what: &str, frames: usize) -> PyResult<(Vec<[f32; 3]>, bool)> {
-    let (flat, shape) = read_shaped::<f32>(value, what, "float32", &format!("(N, 3) or ({frames}, N, 3)"), |shape| {
-        matches!(*shape, [0] | [_, 3]) || matches!(*shape, [count, _, 3] if count == frames)
-    })?;
-    Ok((flat.as_chunks::<3>().0.to_vec(), shape.len() == 3))
+    let accepts = |shape: &[usize]| matches!(*shape, [0] | [_, 3]) || matches!(*shape, [count, _, 3] if count == frames);
+    let needed = format!("(N, 3) or ({frames}, N, 3)");
+    let (rows, shape) = copy_shaped(value, what, "float32", &needed, accepts, |flat: &[f32]| flat.as_chunks::<3>().0.to_vec())?;
+    Ok((rows, shape.len() == 3))
 }
 
 pub fn vector_rows(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<Vec<DVec3>>> {

@@ -15,6 +15,7 @@ pub struct PoseData {
     strengths: Option<Vec<f64>>,
     target_scale: f64,
     added_offsets: Option<Vec<[f32; 3]>>,
+    posed_positions: Option<Vec<[f32; 3]>>,
     is_fleshed: Option<Vec<bool>>,
     repair_folds: bool,
 }
@@ -29,6 +30,7 @@ impl PoseData {
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: f64,
         added_offsets: Option<&Bound<'_, PyAny>>,
+        posed_positions: Option<&Bound<'_, PyAny>>,
         fleshed: Option<Vec<bool>>,
         repair_folds: bool,
     ) -> PyResult<Self> {
@@ -40,6 +42,7 @@ impl PoseData {
             strengths: strengths.map(|s| arrays::numbers(s, "strengths")).transpose()?,
             target_scale,
             added_offsets: added_offsets.map(|o| arrays::float_rows(o, "added_offsets")).transpose()?,
+            posed_positions: posed_positions.map(|p| arrays::float_rows(p, "posed_positions")).transpose()?,
             is_fleshed: fleshed,
             repair_folds,
         })
@@ -54,6 +57,7 @@ impl PoseData {
             target_scale: self.target_scale,
             strengths: self.strengths.as_deref(),
             added_offsets: self.added_offsets.as_deref(),
+            posed_positions: self.posed_positions.as_deref(),
             is_fleshed: self.is_fleshed.as_deref(),
             repair_folds: self.repair_folds,
         }
@@ -69,6 +73,7 @@ pub struct PosesData {
     strengths: Option<PerFrame<f64>>,
     target_scales: PerFrame<f64>,
     added_offsets: Option<PerFrame<[f32; 3]>>,
+    posed_positions: Option<PerFrame<[f32; 3]>>,
     is_fleshed: Option<Vec<bool>>,
     frame_count: usize,
 }
@@ -83,6 +88,7 @@ impl PosesData {
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: Option<&Bound<'_, PyAny>>,
         added_offsets: Option<&Bound<'_, PyAny>>,
+        posed_positions: Option<&Bound<'_, PyAny>>,
         fleshed: Option<Vec<bool>>,
     ) -> PyResult<Self> {
         let (matrices, shape) = arrays::numbers_and_shape(pose_matrices, "pose_matrices", "(F, B, 4, 4)", |shape| {
@@ -114,6 +120,7 @@ impl PosesData {
             strengths: strengths.map(|values| rows(values, "strengths", "B")).transpose()?,
             target_scales: PerFrame::numbers(target_scale, "target_scale", frames)?,
             added_offsets: added_offsets.map(|value| vertices(value, "added_offsets")).transpose()?,
+            posed_positions: posed_positions.map(|value| vertices(value, "posed_positions")).transpose()?,
             is_fleshed: fleshed,
             frame_count: frames,
         })
@@ -128,6 +135,7 @@ impl PosesData {
                 strengths: self.strengths.as_ref().map(|strengths| strengths.of(frame)),
                 target_scale: self.target_scales.of(frame)[0],
                 added_offsets: self.added_offsets.as_ref().map(|offsets| offsets.of(frame)),
+                posed_positions: self.posed_positions.as_ref().map(|positions| positions.of(frame)),
                 is_fleshed: self.is_fleshed.as_deref(),
                 ..Pose::new(self.matrices.of(frame))
             })

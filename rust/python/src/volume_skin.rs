@@ -136,7 +136,7 @@ impl VolumeSkin {
         Ok(Self { inner, mesh: Arc::clone(&self.mesh), workspaces: Arc::clone(&self.workspaces) })
     }
 
-    #[pyo3(signature = (pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None, repair_folds=false))]
+    #[pyo3(signature = (pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, posed_positions=None, fleshed=None, repair_folds=false))]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn deform(
         &self,
@@ -148,6 +148,7 @@ impl VolumeSkin {
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: f64,
         added_offsets: Option<&Bound<'_, PyAny>>,
+        posed_positions: Option<&Bound<'_, PyAny>>,
         fleshed: Option<Vec<bool>>,
         repair_folds: bool,
     ) -> PyResult<Frame> {
@@ -159,6 +160,7 @@ impl VolumeSkin {
             strengths,
             target_scale,
             added_offsets,
+            posed_positions,
             fleshed,
             repair_folds,
         )?;
@@ -170,7 +172,7 @@ impl VolumeSkin {
         Ok(Frame { positions, skinned, offsets, report })
     }
 
-    #[pyo3(signature = (offsets, pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None, repair_folds=false))]
+    #[pyo3(signature = (offsets, pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, posed_positions=None, fleshed=None, repair_folds=false))]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn deform_into(
         &self,
@@ -183,6 +185,7 @@ impl VolumeSkin {
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: f64,
         added_offsets: Option<&Bound<'_, PyAny>>,
+        posed_positions: Option<&Bound<'_, PyAny>>,
         fleshed: Option<Vec<bool>>,
         repair_folds: bool,
     ) -> PyResult<Report> {
@@ -194,6 +197,7 @@ impl VolumeSkin {
             strengths,
             target_scale,
             added_offsets,
+            posed_positions,
             fleshed,
             repair_folds,
         )?;
@@ -203,7 +207,7 @@ impl VolumeSkin {
         })
     }
 
-    #[pyo3(signature = (offsets_address, vertex_count, pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None, repair_folds=false))]
+    #[pyo3(signature = (offsets_address, vertex_count, pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, posed_positions=None, fleshed=None, repair_folds=false))]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn deform_into_address(
         &self,
@@ -217,6 +221,7 @@ impl VolumeSkin {
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: f64,
         added_offsets: Option<&Bound<'_, PyAny>>,
+        posed_positions: Option<&Bound<'_, PyAny>>,
         fleshed: Option<Vec<bool>>,
         repair_folds: bool,
     ) -> PyResult<Report> {
@@ -228,6 +233,7 @@ impl VolumeSkin {
             strengths,
             target_scale,
             added_offsets,
+            posed_positions,
             fleshed,
             repair_folds,
         )?;
@@ -247,7 +253,7 @@ impl VolumeSkin {
         self.write(py, &pose, rows)
     }
 
-    #[pyo3(signature = (bone, pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None))]
+    #[pyo3(signature = (bone, pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, posed_positions=None, fleshed=None))]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn joint_field(
         &self,
@@ -260,6 +266,7 @@ impl VolumeSkin {
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: f64,
         added_offsets: Option<&Bound<'_, PyAny>>,
+        posed_positions: Option<&Bound<'_, PyAny>>,
         fleshed: Option<Vec<bool>>,
     ) -> PyResult<JointField> {
         let bone = bone_index(bone)?;
@@ -271,6 +278,7 @@ impl VolumeSkin {
             strengths,
             target_scale,
             added_offsets,
+            posed_positions,
             fleshed,
             false,
         )?;
@@ -279,8 +287,8 @@ impl VolumeSkin {
     }
 
     #[pyo3(
-        signature = (pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=None, added_offsets=None, fleshed=None),
-        text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None)"
+        signature = (pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=None, added_offsets=None, posed_positions=None, fleshed=None),
+        text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, posed_positions=None, fleshed=None)"
     )]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn measure(
@@ -293,6 +301,7 @@ impl VolumeSkin {
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: Option<&Bound<'_, PyAny>>,
         added_offsets: Option<&Bound<'_, PyAny>>,
+        posed_positions: Option<&Bound<'_, PyAny>>,
         fleshed: Option<Vec<bool>>,
     ) -> PyResult<Measures> {
         let poses = PosesData::read(
@@ -303,6 +312,7 @@ impl VolumeSkin {
             strengths,
             target_scale,
             added_offsets,
+            posed_positions,
             fleshed,
         )?;
         let reports = detached(py, || self.inner.measure(&poses.poses(), &self.workspaces))?;
@@ -311,8 +321,8 @@ impl VolumeSkin {
     }
 
     #[pyo3(
-        signature = (pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=None, added_offsets=None, fleshed=None),
-        text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None)"
+        signature = (pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=None, added_offsets=None, posed_positions=None, fleshed=None),
+        text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, posed_positions=None, fleshed=None)"
     )]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn refinement_need(
@@ -325,6 +335,7 @@ impl VolumeSkin {
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: Option<&Bound<'_, PyAny>>,
         added_offsets: Option<&Bound<'_, PyAny>>,
+        posed_positions: Option<&Bound<'_, PyAny>>,
         fleshed: Option<Vec<bool>>,
     ) -> PyResult<RefinementNeed> {
         let data = PosesData::read(
@@ -335,6 +346,7 @@ impl VolumeSkin {
             strengths,
             target_scale,
             added_offsets,
+            posed_positions,
             fleshed,
         )?;
         let inner = detached(py, || self.inner.refinement_need(&data.poses(), &self.workspaces))?;
@@ -342,8 +354,8 @@ impl VolumeSkin {
     }
 
     #[pyo3(
-        signature = (pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=None, added_offsets=None, fleshed=None, effect=None, repair_folds=false, fold_counts=None, positions=None),
-        text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, fleshed=None, effect=1.0, repair_folds=False, fold_counts=None, positions=None)"
+        signature = (pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=None, added_offsets=None, posed_positions=None, fleshed=None, effect=None, repair_folds=false, fold_counts=None, positions=None),
+        text_signature = "($self, pose_matrices, *, object_from_armature=None, shape_values=None, rest_positions=None, strengths=None, target_scale=1.0, added_offsets=None, posed_positions=None, fleshed=None, effect=1.0, repair_folds=False, fold_counts=None, positions=None)"
     )]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn deform_many<'py>(
@@ -356,6 +368,7 @@ impl VolumeSkin {
         strengths: Option<&Bound<'_, PyAny>>,
         target_scale: Option<&Bound<'_, PyAny>>,
         added_offsets: Option<&Bound<'_, PyAny>>,
+        posed_positions: Option<&Bound<'_, PyAny>>,
         fleshed: Option<Vec<bool>>,
         effect: Option<&Bound<'_, PyAny>>,
         repair_folds: bool,
@@ -370,6 +383,7 @@ impl VolumeSkin {
             strengths,
             target_scale,
             added_offsets,
+            posed_positions,
             fleshed,
         )?;
         let mut poses = data.poses();

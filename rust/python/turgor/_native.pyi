@@ -269,6 +269,7 @@ class VolumeSkin:
         strengths: ArrayLike | None = None,
         target_scale: float = 1.0,
         added_offsets: ArrayLike | None = None,
+        posed_positions: ArrayLike | None = None,
         fleshed: Sequence[bool] | None = None,
         repair_folds: bool = False,
     ) -> Frame:
@@ -304,6 +305,7 @@ class VolumeSkin:
         strengths: ArrayLike | None = None,
         target_scale: float = 1.0,
         added_offsets: ArrayLike | None = None,
+        posed_positions: ArrayLike | None = None,
         fleshed: Sequence[bool] | None = None,
         repair_folds: bool = False,
     ) -> Report:
@@ -320,6 +322,7 @@ class VolumeSkin:
         strengths: ArrayLike | None = None,
         target_scale: float = 1.0,
         added_offsets: ArrayLike | None = None,
+        posed_positions: ArrayLike | None = None,
         fleshed: Sequence[bool] | None = None,
         repair_folds: bool = False,
     ) -> Report:
@@ -335,6 +338,7 @@ class VolumeSkin:
         strengths: ArrayLike | None = None,
         target_scale: float = 1.0,
         added_offsets: ArrayLike | None = None,
+        posed_positions: ArrayLike | None = None,
         fleshed: Sequence[bool] | None = None,
     ) -> JointField:
         """How the field of the joint at the head of `bone` lies in this pose. Arguments as in `deform`.
@@ -351,12 +355,13 @@ class VolumeSkin:
         strengths: ArrayLike | None = None,
         target_scale: float | ArrayLike = 1.0,
         added_offsets: ArrayLike | None = None,
+        posed_positions: ArrayLike | None = None,
         fleshed: Sequence[bool] | None = None,
     ) -> Measures:
         """Figures of many poses, many at once: the same bits as `deform` gives one by one.
 
         pose_matrices: (F, B, 4, 4). fleshed: as in `deform`, the same for all frames. The others as in `deform`, the
-        same for all frames or with a first axis of F: rest_positions and added_offsets (N, 3) or (F, N, 3).
+        same for all frames or with a first axis of F: rest_positions, added_offsets, posed_positions (N, 3) or (F, N, 3).
         Raises TurgorError as `deform`, for the first frame that is refused. Releases the GIL.
         """
     def deform_many(
@@ -369,6 +374,7 @@ class VolumeSkin:
         strengths: ArrayLike | None = None,
         target_scale: float | ArrayLike = 1.0,
         added_offsets: ArrayLike | None = None,
+        posed_positions: ArrayLike | None = None,
         fleshed: Sequence[bool] | None = None,
         effect: float | ArrayLike = 1.0,
         repair_folds: bool = False,
@@ -393,6 +399,7 @@ class VolumeSkin:
         strengths: ArrayLike | None = None,
         target_scale: float | ArrayLike = 1.0,
         added_offsets: ArrayLike | None = None,
+        posed_positions: ArrayLike | None = None,
         fleshed: Sequence[bool] | None = None,
     ) -> RefinementNeed:
         """Where these poses together ask for more vertices than the mesh has; their order does not matter.

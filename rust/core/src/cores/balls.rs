@@ -7,10 +7,8 @@ use crate::cores::rest::RestSurface;
 use crate::numeric::nearness::PointTree;
 use crate::surface::volume::{face_area_vector, face_volume};
 
-/// Points of a ball this near to its surface, by its radius, touch it.
-const TOUCHING: f64 = 1e-9;
-/// Times that a ball is made smaller: each time it passes through another point, three or four are usual.
-const SHRINKS: usize = 64;
+/// Points that are closer than this part of half the body's extent are one.
+const COINCIDENT: f64 = 1e-9;
 /// Radii are evened out over this part of the ball.
 const EVENED_OVER: f64 = 0.5;
 /// Relative accuracy of evened radii, and steps towards it at most: on a very dense skin they are evened over less.
@@ -54,18 +52,16 @@ impl Balls {
 
 /// Radius of the largest ball that touches a place, its centre in direction `inwards`, and holds no other point.
 fn radius(tree: &PointTree, places: &[DVec3], slot: usize, inwards: DVec3, start: f64) -> f64 {
-    let place = places[slot];
-    let mut radius = if inwards == DVec3::ZERO { 0.0 } else { start };
-    for _ in 0..SHRINKS {
-        let Some(inside) = tree.nearest(place + inwards * radius, radius * (1.0 - TOUCHING)) else { break };
-        let to = places[inside as usize] - place;
-        let smaller = to.length_squared() / (2.0 * to.dot(inwards));
-        if !(0.0..radius).contains(&smaller) {
-            break;
-        }
-        radius = smaller;
+    if inwards == DVec3::ZERO {
+        return 0.0;
     }
-    radius
+    let place = places[slot];
+    let same = COINCIDENT * start;
+    tree.shrink_ball(place, inwards, start, |point| {
+        let to = places[point as usize] - place;
+        let square = to.length_squared();
+        if square > same * same { square / (2.0 * to.dot(inwards)) } else { f64::INFINITY }
+    })
 }
 
 /// Unit vectors into the flesh, whichever way faces are turned; 0 where there is no direction.

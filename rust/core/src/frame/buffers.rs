@@ -31,6 +31,8 @@ pub(super) struct Posed {
 #[derive(Debug, Clone)]
 pub(super) struct Skinned {
     pub places: Places,
+    /// Per slot, what is added to the skin, armature space; empty where nothing is.
+    pub offsets: Vec<[f32; 3]>,
     pub patches: Vec<SkinnedPatch>,
     pub giant_volumes: Vec<f64>,
 }
@@ -189,13 +191,14 @@ impl Skinned {
         let patches = &bound.binding.patches;
         Self {
             places: Places { near: coordinates(bound), rest: coordinates(bound) },
+            offsets: Vec::new(),
             patches: vec![SkinnedPatch::default(); patches.list.len()],
             giant_volumes: vec![0.0; patches.giants.len()],
         }
     }
 
     pub fn memory_bytes(&self) -> usize {
-        memory_of(&self.places.near) + memory_of(&self.places.rest) + size_of_val(&*self.patches)
+        memory_of(&self.places.near) + memory_of(&self.places.rest) + size_of_val(&*self.offsets) + size_of_val(&*self.patches)
     }
 }
 

@@ -48,16 +48,20 @@ impl Targets {
     /// Finds where added offsets took volume; adds to what joints give back what is theirs of it.
     pub(super) fn share_added_losses(&mut self, bound: Bound, pose: &Pose, posed: &Posed, skinned: &Skinned, losses: &Losses) {
         let Bound { binding, supports, settings } = bound;
-        let (places, added) = (&skinned.places, &posed.added);
-        self.local.is_used = added.moves_anything();
+        let (places, offsets, rounding) = (&skinned.places, &skinned.offsets, posed.added.rounding);
+        let is_moved = |offset: &[f32; 3]| offset.iter().any(|x| f64::from(x.abs()) > rounding);
+        self.local.is_used = offsets.iter().any(is_moved);
         if !self.local.is_used {
             return;
         }
         let (core, patches) = (binding.core(), &binding.patches);
         let missing = self.missing_by_component(binding, losses);
         let Local { volumes, bounds, room, shown, skinned, lengthening, densities, of_joints, .. } = &mut self.local;
-        let bare = |slot: usize| lanes::sub(places.at(slot), added.of_slot(binding, slot));
-        core.begin(patches, |slot| added.of_slot(binding, slot) != lanes::ZERO, room);
+        let bare = |slot: usize| {
+            let [x, y, z] = offsets[slot].map(f64::from);
+            lanes::sub(places.at(slot), [x, y, z, 0.0])
+        };
+        core.begin(patches, |slot| is_moved(&offsets[slot]), room);
         core.volumes(patches, bare, room, skinned, lengthening);
         core.volumes(patches, |slot| places.at(slot), room, shown, lengthening);
         core.densities(room, skinned, shown, missing, densities);

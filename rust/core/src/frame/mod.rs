@@ -59,6 +59,9 @@ pub struct Pose<'a> {
     pub strengths: Option<&'a [f64]>,
     /// Per vertex, object space: what another deformer adds to the skin before its volume is looked at.
     pub added_offsets: Option<&'a [[f32; 3]]>,
+    /// Per vertex, object space: where other deformers leave the skin, in place of offsets that they add. What lies farther from
+    /// the frame's own skin than rounding takes it was moved by them.
+    pub posed_positions: Option<&'a [[f32; 3]]>,
     /// Per bone, whether that deformer moves its flesh: what skinning loses there is not missing.
     pub is_fleshed: Option<&'a [bool]>,
     /// Whether folds of the correction are repaired.
@@ -76,6 +79,7 @@ impl<'a> Pose<'a> {
             target_scale: 1.0,
             strengths: None,
             added_offsets: None,
+            posed_positions: None,
             is_fleshed: None,
             repair_folds: false,
         }

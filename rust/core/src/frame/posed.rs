@@ -48,7 +48,7 @@ impl Posed {
         if total > 0.0 {
             origin /= total;
         }
-        origin += self.set_added(binding, pose.added_offsets)?;
+        let origin = self.set_added(binding, pose.added_offsets, pose.posed_positions, origin)?;
         self.motions.set(&self.channels, armature_from_rest, origin, binding.size, keep_bone_scale);
         Ok(self)
     }

@@ -32,6 +32,8 @@ impl Skinned {
         let count = patches.list.len();
         let stages = if posed.is_staged(binding) { Some(&binding.plan.stages) } else { None };
         let (motions, added, rest_body) = (&posed.motions, &posed.added, &posed.body);
+        self.offsets.resize(if added.is_empty() { 0 } else { patches.slot_count() }, [0.0; 3]);
+        let offset_rows = if added.is_empty() { &patches.no_rows } else { &patches.slot_offsets };
         let rest = rest_body.rest(binding);
         let has_shapes = !rest_body.of_site.is_empty();
         let change_offsets = stages.map_or(&*patches.no_rows, |stages| &stages.change_offsets()[..=count]);
@@ -44,17 +46,18 @@ impl Skinned {
             (
                 (ragged(&mut self.places.near, &patches.slot_offsets), ragged(&mut self.places.rest, &patches.slot_offsets)),
                 ragged(&mut swept.rows, &patches.slot_offsets),
-                Ragged::new(sources, &patches.source_offsets),
+                (Ragged::new(sources, &patches.source_offsets), Ragged::new(&mut self.offsets, offset_rows)),
                 &mut *self.patches,
                 (Ragged::new(changes, change_offsets), Ragged::new(moments, moment_offsets)),
             ),
-            &|index, ((near, rest_of_it), gradient, sources, sums, (changes, moment))| {
+            &|index, ((near, rest_of_it), gradient, (sources, offsets), sums, (changes, moment))| {
                 let from = Skinner { binding, motions, rest_body, added, index };
                 let into = SkinnedInto {
                     near: near.map(|row| row.values),
                     rest: rest_of_it.map(|row| row.values),
                     gradient: gradient.map(|row| row.values),
                     sources: sources.values,
+                    offsets: offsets.values,
                     sums: &mut sums[0],
                     changes: changes.values,
                     moment: moment.values.first_mut(),
@@ -110,6 +113,8 @@ struct SkinnedInto<'a> {
     rest: [&'a mut [f32]; 3],
     gradient: [&'a mut [f32]; 3],
     sources: &'a mut [V4],
+    /// What is added to the skin; empty where nothing is.
+    offsets: &'a mut [[f32; 3]],
     sums: &'a mut SkinnedPatch,
     changes: &'a mut [Change],
     moment: Option<&'a mut Moment>,
@@ -158,8 +163,18 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: SkinnedInto, scratch: &mut 
         if let Some(last) = last.take() {
             into.changes[last].loss -= sweeps::volume(simd, patches, patch, p);
         }
-        for (p, &slot) in p.iter_mut().zip(slots) {
-            *p = lanes::add(*p, added.of_slot(binding, slot as usize));
+        for (local, (p, &slot)) in p.iter_mut().zip(slots).enumerate() {
+            let mut offset = added.of_slot(binding, slot as usize);
+            let skinned = *p;
+            if added.is_posed() {
+                *p = offset;
+                offset = lanes::sub(offset, skinned);
+            } else {
+                *p = lanes::add(skinned, offset);
+            }
+            if local < patch.owned {
+                into.offsets[local] = [offset[0], offset[1], offset[2]].map(|x| x as f32);
+            }
         }
     }
     by_point[..slots.len()].fill(lanes::ZERO);
@@ -170,9 +185,11 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: SkinnedInto, scratch: &mut 
     *into.sums = SkinnedPatch { volume, gap_squared: 0.0 };
     keep_gradient(simd, binding, patch, by_point, into.gradient, into.sources);
     keep_places(simd, patch, p, into.near, into.rest);
-    if sites.is_split() || rest_body.is_split() {
+    if added.is_posed() || sites.is_split() || rest_body.is_split() {
         for &slot in &slots[..patch.owned] {
-            let gap_squared = if rest_body.is_split() {
+            let gap_squared = if added.is_posed() {
+                gap_squared(binding.vertices_of_slot().row(slot as usize).iter().filter_map(|&v| added.place_of_vertex(v as usize)))
+            } else if rest_body.is_split() {
                 let coincident = binding.vertices_of_slot().row(slot as usize).iter().map(|&vertex| vertex as usize);
                 let site = |vertex: usize| sites.site_of_vertex[vertex] as usize;
                 gap_squared(coincident.map(|v| palette.skin(&sites.influences, site(v), rest_body.rest_of_vertex(binding, v))))
@@ -186,10 +203,7 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: SkinnedInto, scratch: &mut 
 
 /// Of the largest distance of coincident vertices from the first of them.
 #[inline(always)]
-fn gap_squared(mut coincident: impl ExactSizeIterator<Item = V4>) -> f64 {
-    if coincident.len() < 2 {
-        return 0.0;
-    }
+fn gap_squared(mut coincident: impl Iterator<Item = V4>) -> f64 {
     let Some(first) = coincident.next() else { return 0.0 };
     coincident.map(|other| lanes::to(other).distance_squared(lanes::to(first))).fold(0.0, f64::max)
 }

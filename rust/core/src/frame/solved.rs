@@ -26,6 +26,9 @@ impl Solved<'_> {
     /// Skinned position of a vertex in armature space, with what is added to it.
     pub(crate) fn skinned_vertex(&self, vertex: usize) -> DVec3 {
         let Self { binding, posed, skinned, .. } = *self;
+        if let Some(place) = posed.added.place_of_vertex(vertex) {
+            return lanes::to(place) + posed.motions.palette.origin;
+        }
         let slot = binding.slot_of_vertex[vertex] as usize;
         // A point whose vertices are skinned alike is where the frame has left it.
         if slot < self.correction.moves.len() && binding.sites.of_slot(slot).len() == 1 && !posed.body.is_split() {
