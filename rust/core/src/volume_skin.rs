@@ -210,6 +210,7 @@ impl VolumeSkin {
 
     fn skin(&self, pose: &Pose, workspace: &mut Workspace) {
         workspace.mask.clone_from(&self.mask);
+        workspace.shape_flesh(&self.binding, &self.joints, pose);
         // First: it is little, and helpers are on their way.
         workspace.measure_forms(&self.binding);
         workspace.skin(&self.binding);
@@ -236,7 +237,7 @@ impl VolumeSkin {
         vertices
             .map(|(vertex, (&slot, &component))| {
                 let skinned = workspace.skinned_vertex(binding, vertex);
-                (object(skinned), object(skinned + workspace.displacement(slot, component)))
+                (object(skinned), object(skinned + workspace.flesh_offset(slot) + workspace.displacement(slot, component)))
             })
             .unzip()
     }

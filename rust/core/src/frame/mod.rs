@@ -3,6 +3,7 @@
 
 mod added;
 mod body;
+mod flesh;
 mod give_back;
 mod in_order;
 mod joint_field;
@@ -38,6 +39,7 @@ use crate::fields::field::{Field, FieldFrame, Hold};
 use crate::fields::joint::{FACTOR_MAX, Joint, check_strengths};
 use crate::fields::patch_sums::Move;
 use crate::fields::supports::Supports;
+use crate::flesh::shape::Shape;
 use crate::losses::closed_form::{FormBuffers, VolumeForms};
 use crate::losses::job::{Change, Moment};
 use crate::losses::staged::ROWS;
@@ -142,6 +144,7 @@ pub struct Workspace {
     skinned: Places,
     added: Added,
     local: Local,
+    flesh: Shape,
     /// In units of the mean area.
     gradient: Coordinates,
     /// Per slot.
@@ -163,6 +166,8 @@ pub struct Workspace {
 #[derive(Debug, Clone, Copy, Default)]
 struct PatchSums {
     volume: f64,
+    /// Without the law of flesh.
+    bare: f64,
     cubic: VolumeCubic,
     wide_hold: f64,
     gap_squared: f64,
@@ -187,6 +192,8 @@ struct JobState {
 struct ComponentState {
     rest: f64,
     skinned: f64,
+    /// As skinned, without the law of flesh.
+    bare: f64,
     target: f64,
     corrected: f64,
     cubic: VolumeCubic,
@@ -231,6 +238,7 @@ impl Workspace {
             giant_room: vec![0.0; ROWS * giant_points],
             added: Added::default(),
             local: Local::default(),
+            flesh: Shape::default(),
             skinned: Places { near: coordinates(), rest: coordinates() },
             gradient: coordinates(),
             moves: vec![Move::default(); slots],
@@ -255,6 +263,7 @@ impl Workspace {
             + self.body.memory_bytes()
             + self.added.memory_bytes()
             + self.local.memory_bytes()
+            + self.flesh.memory_bytes()
             + size_of_val(&*self.moves)
             + size_of_val(&*self.profiled)
             + size_of_val(&*self.holds)
@@ -305,7 +314,7 @@ impl Workspace {
         Ok(())
     }
 
-    /// Corrected − skinned of a vertex in double precision, armature space.
+    /// Corrected − skinned of a vertex in double precision, armature space; the law of flesh is part of what is skinned.
     pub(crate) fn displacement(&self, slot: u32, component: u32) -> DVec3 {
         self.moves.get(slot as usize).map_or(DVec3::ZERO, |point| {
             let step = self.components[component as usize].step;
@@ -313,12 +322,17 @@ impl Workspace {
         })
     }
 
-    /// Skinned position of a vertex in armature space, with what is added to it.
+    /// What the law of flesh adds to a vertex, armature space.
+    pub(crate) fn flesh_offset(&self, slot: u32) -> DVec3 {
+        if (slot as usize) < self.moves.len() { lanes::to(widened(self.flesh.offset(slot as usize))) } else { DVec3::ZERO }
+    }
+
+    /// Skinned position of a vertex in armature space, with what is added to it but for the law of flesh.
     pub(crate) fn skinned_vertex(&self, binding: &Binding, vertex: usize) -> DVec3 {
         let slot = binding.slot_of_vertex[vertex] as usize;
         // A point whose twins are skinned alike is where the frame has left it.
         if slot < self.moves.len() && binding.sites.of_slot(slot).len() == 1 && !self.body.is_split() {
-            let skinned = lanes::to(self.skinned.at(slot)) + self.motions.palette.origin;
+            let skinned = lanes::to(self.skinned.at(slot)) - self.flesh_offset(slot as u32) + self.motions.palette.origin;
             let is_moved = !self.added.is_empty();
             return if is_moved {
                 skinned + (self.added.of_vertex(vertex) - lanes::to(self.added.of_slot(binding, slot)))
@@ -337,7 +351,8 @@ impl Workspace {
         let object_from_armature = self.object.matrix3.determinant();
         let report = &mut self.report;
         for (index, state) in self.components.iter().enumerate() {
-            report.skinned_volumes[index] = state.skinned * object_from_armature;
+            report.skinned_volumes[index] = state.bare * object_from_armature;
+            report.flesh_volumes[index] = state.skinned * object_from_armature;
             report.target_volumes[index] = state.target * object_from_armature;
             report.corrected_volumes[index] = state.corrected * object_from_armature;
             report.component_is_pinned[index] = self.mask.as_ref().is_some_and(|mask| mask.is_pinned[index]);

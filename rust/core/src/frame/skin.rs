@@ -6,8 +6,9 @@ use fearless_simd::{Level, Simd, dispatch};
 use super::added::Added;
 use super::body::Body as RestBody;
 use super::scratch::{Scratch, with_scratch};
-use super::{PatchSums, Workspace, ragged};
+use super::{PatchSums, Workspace, ragged, widened};
 use crate::binding::Binding;
+use crate::flesh::shape::Shape;
 use crate::losses::job::{Change, Moment};
 use crate::losses::staged::{Body, Rows, giant_moment, giant_volume};
 use crate::numeric::block_rows::{LANES, PATCH_POINTS};
@@ -24,7 +25,8 @@ impl Workspace {
         let patches = &binding.patches;
         let count = patches.list.len();
         let stages = if self.is_staged(binding) { Some(&binding.plan.stages) } else { None };
-        let (motions, added, rest_body) = (&self.motions, &self.added, &self.body);
+        let (motions, added, rest_body, flesh) = (&self.motions, &self.added, &self.body, &self.flesh);
+        let of_losses = flesh.of_losses(motions);
         let rest = rest_body.rest(binding);
         let has_shapes = !rest_body.of_site.is_empty();
         let change_offsets = stages.map_or(&*patches.no_rows, |stages| &stages.change_offsets()[..=count]);
@@ -42,7 +44,7 @@ impl Workspace {
                 (Ragged::new(changes, change_offsets), Ragged::new(moments, moment_offsets)),
             ),
             &|index, ((near, rest_of_it), gradient, sources, sums, (changes, moment))| {
-                let from = Skinner { binding, motions, rest_body, added, index };
+                let from = Skinner { binding, motions, of_losses, rest_body, added, flesh, index };
                 let into = Skinned {
                     near: near.map(|row| row.values),
                     rest: rest_of_it.map(|row| row.values),
@@ -70,12 +72,20 @@ impl Workspace {
                 *moment = giant_moment(&positions[..corners]);
             }
             let (changes, rest_of_them) = giant_changes.split_at_mut(stages.joint_count(count + index));
-            let body = Body { index: count + index, slots: &giant.corners, sites: &binding.sites, shaped_rest, motions, moment: *moment };
+            let body = Body {
+                index: count + index,
+                slots: &giant.corners,
+                sites: &binding.sites,
+                shaped_rest,
+                motions: of_losses,
+                moment: *moment,
+            };
             let rows = Rows::new(&mut self.giant_room, padded);
             let volume = |p: &&mut [V4]| giant_volume(&p[..corners]);
             let last = dispatch!(level, simd => stages.measure(simd, body, rows, &mut positions, volume, changes));
             if let Some(last) = last {
-                changes[last].loss -= if added.is_empty() { self.giant_volumes[index] } else { volume(&positions) };
+                let ends_skinned = added.is_empty() && !flesh.is_active();
+                changes[last].loss -= if ends_skinned { self.giant_volumes[index] } else { volume(&positions) };
             }
             giant_changes = rest_of_them;
         }
@@ -90,8 +100,11 @@ impl Workspace {
 struct Skinner<'a> {
     binding: &'a Binding,
     motions: &'a Motions,
+    /// The same without turns that cost no volume.
+    of_losses: &'a Motions,
     rest_body: &'a RestBody,
     added: &'a Added,
+    flesh: &'a Shape,
     index: usize,
 }
 
@@ -109,15 +122,15 @@ struct Skinned<'a> {
 /// Skins the points a patch sees; keeps those it owns, the gradient of all, and what its joints lose.
 #[inline(always)]
 fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scratch) {
-    let Skinner { binding, motions, rest_body, added, index } = from;
+    let Skinner { binding, motions, of_losses, rest_body, added, flesh, index } = from;
     let (rest, has_shapes) = (rest_body.rest(binding), !rest_body.of_site.is_empty());
     let (patches, sites, palette, stages) = (&binding.patches, &binding.sites, &motions.palette, &binding.plan.stages);
     let patch = &patches.list[index];
     let slots = &patches.local[patch.local.clone()];
     let Scratch { first: p, second: by_point, rows, .. } = scratch;
     let mut body = Body { index, slots, sites, shaped_rest: has_shapes.then_some(rest), motions, moment: Moment::default() };
-    let is_skinned = stages.ends_skinned(body);
-    let mut last = None;
+    let mut is_skinned = stages.ends_skinned(body);
+    let (mut last, mut bare) = (None, None);
     if let Some(moment) = into.moment {
         if has_shapes {
             for (p, &slot) in p.iter_mut().zip(slots) {
@@ -127,6 +140,8 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
             *moment = (volume, lanes::to(area));
         }
         body.moment = *moment;
+        body.motions = of_losses;
+        let is_apart = !std::ptr::eq(of_losses, motions);
         let rows = Rows::new(rows, PATCH_POINTS);
         last = stages.measure(
             simd,
@@ -137,6 +152,12 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
             |p| sweeps::volume(simd, patches, patch, p),
             into.changes,
         );
+        if is_apart {
+            is_skinned = false;
+            if let Some(last) = last.take() {
+                into.changes[last].loss -= sweeps::volume(simd, patches, patch, p);
+            }
+        }
     } else if is_skinned {
         stages.skin(simd, body, Rows::new(rows, PATCH_POINTS), p);
     }
@@ -145,12 +166,22 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
             *p = sites.mean(slot as usize, |site| palette.skin(&sites.influences, site, rest[site]));
         }
     }
-    if !added.is_empty() {
+    if !added.is_empty() || flesh.is_active() {
         if let Some(last) = last.take() {
             into.changes[last].loss -= sweeps::volume(simd, patches, patch, p);
         }
-        for (p, &slot) in p.iter_mut().zip(slots) {
-            *p = lanes::add(*p, added.of_slot(binding, slot as usize));
+        if !added.is_empty() {
+            for (p, &slot) in p.iter_mut().zip(slots) {
+                *p = lanes::add(*p, added.of_slot(binding, slot as usize));
+            }
+        }
+        if flesh.is_active() {
+            if slots.iter().any(|&slot| flesh.offset(slot as usize) != [0.0; 4]) {
+                bare = Some(sweeps::volume(simd, patches, patch, p));
+            }
+            for (p, &slot) in p.iter_mut().zip(slots) {
+                *p = lanes::add(*p, widened(flesh.offset(slot as usize)));
+            }
         }
     }
     by_point[..slots.len()].fill(lanes::ZERO);
@@ -158,7 +189,7 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
     if let Some(last) = last {
         into.changes[last].loss -= volume;
     }
-    *into.sums = PatchSums { volume, ..PatchSums::default() };
+    *into.sums = PatchSums { volume, bare: bare.unwrap_or(volume), ..PatchSums::default() };
     keep_gradient(simd, binding, patch, by_point, into.gradient, into.sources);
     keep_places(simd, patch, p, into.near, into.rest);
     if sites.is_split() || rest_body.is_split() {

@@ -15,20 +15,21 @@ impl Workspace {
     pub(crate) fn measure_forms(&mut self, binding: &Binding) {
         let is_staged = self.is_staged(binding);
         if let (false, Some(forms), Some(buffers)) = (is_staged, &binding.plan.forms, &mut self.forms) {
-            forms.measure(&self.motions, buffers);
+            forms.measure(self.flesh.of_losses(&self.motions), buffers);
         }
     }
 
     /// Losses, targets, and the volume each job is to give back.
     pub(crate) fn measure(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pose: &Pose) {
-        binding.plan.carry(&self.motions, &self.job_moments, &mut self.changes);
+        let motions = self.flesh.of_losses(&self.motions);
+        binding.plan.carry(motions, &self.job_moments, &mut self.changes);
         let is_staged = self.is_staged(binding);
         match (is_staged, &binding.plan.forms, &self.forms) {
             (false, Some(forms), Some(buffers)) => forms.gather(buffers, &mut self.changes),
             _ => binding.plan.stages.gather(&self.stage_changes, &mut self.changes),
         }
-        binding.plan.carry_shells(&self.motions, is_staged, &self.body_moments, &mut self.changes);
-        hand_on(&binding.plan.jobs, &self.motions, &mut self.changes);
+        binding.plan.carry_shells(motions, is_staged, &self.body_moments, &mut self.changes);
+        hand_on(&binding.plan.jobs, motions, &mut self.changes);
         self.components.fill(ComponentState::default());
         // Moments are about the rest mesh in object space.
         let armature_from_object = self.object.matrix3.determinant().recip();
@@ -36,11 +37,17 @@ impl Workspace {
             self.components[component as usize].rest += moment.0 * armature_from_object;
         }
         for (patch, sums) in binding.patches.list.iter().zip(&self.patches) {
-            self.components[patch.component as usize].skinned += sums.volume;
+            let state = &mut self.components[patch.component as usize];
+            state.skinned += sums.volume;
+            state.bare += sums.bare;
         }
         for (giant, volume) in binding.patches.giants.iter().zip(&self.giant_volumes) {
-            self.components[giant.component as usize].skinned += volume;
+            let state = &mut self.components[giant.component as usize];
+            state.skinned += volume;
+            state.bare += volume;
         }
+        self.take_flesh_from_giants(binding);
+        self.share_flesh_losses(binding);
         for state in &mut self.components {
             state.target = state.rest;
         }

@@ -1,0 +1,105 @@
+//! The law of flesh in a frame: what it adds to the skin, and whose the volume is that is missing then.
+
+use std::sync::Arc;
+
+use super::{Mask, Pose, Workspace, widened};
+use crate::binding::Binding;
+use crate::fields::joint::Joint;
+use crate::flesh::settings::Flesh;
+use crate::flesh::shape::Points;
+use crate::losses::staged::giant_volume;
+use crate::numeric::lanes::{self, V4};
+
+/// What joints lose by turns that cannot be told from their losses is shared by how much they turn, as this part of what a
+/// limb holds.
+const EXTENT_PART: f64 = 0.01;
+
+impl Workspace {
+    /// Finds what the law of flesh adds to each point, after the pose is taken and before anything is skinned.
+    pub(crate) fn shape_flesh(&mut self, binding: &Binding, settings: &[Joint], pose: &Pose) {
+        self.flesh.rest();
+        if settings.iter().all(|joint| joint.flesh.amount == 0.0) {
+            return;
+        }
+        let anatomy = binding.anatomy();
+        let bones = &self.motions.tree.bones;
+        let is_fleshed = |joint: usize| pose.is_fleshed.is_some_and(|fleshed| fleshed[bones[joint] as usize]);
+        let of_joint = |joint: usize| if is_fleshed(joint) { Flesh::NONE } else { settings[joint].flesh };
+        if !self.flesh.take(anatomy, &self.motions, of_joint) {
+            return;
+        }
+        let palette = &self.motions.palette;
+        self.flesh.untwist(anatomy, &self.motions, &self.channels, (palette.armature_from_rest(), palette.origin), binding.size);
+        let (sites, rest) = (&binding.sites, self.body.rest(binding));
+        let mask = self.mask.as_deref();
+        let points = Points {
+            place: |slot: usize| lanes::to(palette.in_armature(sites.mean(slot, |site| rest[site]))),
+            skinned: |slot: usize| lanes::to(sites.mean(slot, |site| palette.skin(&sites.influences, site, rest[site]))) + palette.origin,
+            factor: |slot: usize| {
+                let of_site = |site: usize| {
+                    let (joints, weights) = sites.influences.of(site);
+                    let fleshed = joints.iter().zip(weights).filter(|(joint, _)| {
+                        let joint = usize::from(**joint);
+                        joint < bones.len() && is_fleshed(joint)
+                    });
+                    let fleshed: f64 = if pose.is_fleshed.is_some() { fleshed.map(|(_, weight)| weight).sum() } else { 0.0 };
+                    sites.share(site) * sites.influences.mask(site) * (1.0 - fleshed.min(1.0))
+                };
+                let free = mask.map_or(1.0, |mask| {
+                    let is_pinned = mask.is_pinned[binding.patches.component_of_slot(slot) as usize];
+                    if is_pinned { 0.0 } else { f64::from(mask.of_slot[slot]) }
+                });
+                free * sites.of_slot(slot).map(of_site).sum::<f64>()
+            },
+        };
+        self.flesh.shape(anatomy, &self.motions, &binding.patches, &points);
+        self.keep_out_of_creases(binding);
+    }
+
+    /// Skin that lies in a closed crease has no room to grow.
+    fn keep_out_of_creases(&mut self, binding: &Binding) {
+        let Some(free) = self.flesh.free() else { return };
+        let artists = self.mask.as_deref();
+        let of_artist = |slot: usize| artists.map_or(1.0, |mask| mask.of_slot[slot]);
+        let of_slot = free.iter().enumerate().map(|(slot, free)| of_artist(slot) * free).collect();
+        let is_pinned = artists.map_or_else(|| vec![false; binding.components.len()], |mask| mask.is_pinned.clone());
+        self.mask = Some(Arc::new(Mask { of_slot, is_pinned }));
+    }
+
+    /// Volumes of giant faces as skinned, for those with the law.
+    pub(super) fn take_flesh_from_giants(&mut self, binding: &Binding) {
+        let flesh = Some(&self.flesh).filter(|flesh| flesh.is_active());
+        let (Some(flesh), giants) = (flesh, &binding.patches.giants) else { return };
+        for (giant, volume) in giants.iter().zip(&self.giant_volumes) {
+            let bare = |&slot: &u32| lanes::sub(self.skinned.at(slot as usize), widened(flesh.offset(slot as usize)));
+            let corners: Vec<V4> = giant.corners.iter().map(bare).collect();
+            self.components[giant.component as usize].bare += giant_volume(&corners) - volume;
+        }
+    }
+
+    /// What is missing once the law has been followed, by what each joint's turn takes: they sum to it.
+    pub(super) fn share_flesh_losses(&mut self, binding: &Binding) {
+        if !self.flesh.is_active() {
+            return;
+        }
+        let anatomy = binding.anatomy();
+        let count = self.components.len();
+        let (mut unexplained, mut sums) = (vec![0.0; count], vec![0.0; count]);
+        for (state, unexplained) in self.components.iter().zip(&mut unexplained) {
+            *unexplained = state.rest - state.skinned;
+        }
+        let part =
+            |loss: f64, joint: u32, flesh: &crate::flesh::shape::Shape| loss.abs() + EXTENT_PART * flesh.extent(anatomy, joint as usize);
+        for (job, change) in binding.plan.jobs.iter().zip(&self.changes) {
+            let component = job.component as usize;
+            unexplained[component] += change.intent - change.loss;
+            sums[component] += part(change.loss, job.joint, &self.flesh);
+        }
+        for (job, change) in binding.plan.jobs.iter().zip(&mut self.changes) {
+            let component = job.component as usize;
+            if sums[component] > 0.0 {
+                change.loss += unexplained[component] * (part(change.loss, job.joint, &self.flesh) / sums[component]);
+            }
+        }
+    }
+}
