@@ -16,7 +16,7 @@ ROOMS = (
     "cores",
     "skinning",
     "flesh",
-    "losses",
+    "volume_losses",
     "fields",
     "folds",
     "spine",

@@ -1,9 +1,12 @@
 //! What is bound: limbs, and which points each may move.
 
+use std::collections::BTreeMap;
+
 use glam::{DAffine3, DVec3};
 
 use super::bend::{NEAR_MAX, REACH};
 use super::limb::Limb;
+use crate::numeric::block_rows::{Block, LANES};
 use crate::numeric::csr::Csr;
 use crate::skinning::joint_tree::JointTree;
 use crate::skinning::sites::Sites;
@@ -27,15 +30,34 @@ pub(super) struct Node {
     pub share: [f32; 2],
 }
 
-/// One joint whose bend may move a point.
+/// Eight points of a patch that a joint's bend may move; 0 for others.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Near {
-    pub joint: u16,
-    /// As in a node.
-    pub share: [f32; 2],
+pub(super) struct NearBlock {
+    pub number: u32,
     /// 1 less the weight of bones that are neither above nor below the joint.
-    pub kin: f32,
+    pub kin: Block<f32>,
+    /// As in a node.
+    pub shares: [Block<f32>; 2],
 }
+
+/// Eight points of a patch that hang on a joint and the bone above it alone; 0 for others.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TwistBlock {
+    pub number: u32,
+    pub under: Block<f32>,
+    /// As in a node.
+    pub shares: [Block<f32>; 2],
+}
+
+/// Where the blocks of a joint lie in a patch.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct JointRow {
+    pub joint: u16,
+    pub row: u32,
+}
+
+/// Three numbers per point of a patch, of one joint.
+type Numbers = Vec<[f32; 3]>;
 
 /// What limbs are made from.
 pub(crate) struct Parts<'a> {
@@ -47,6 +69,8 @@ pub(crate) struct Parts<'a> {
     /// Per slot, armature space.
     pub places: &'a [DVec3],
     pub areas: &'a [f64],
+    /// Whether bones are blended linearly.
+    pub is_linear: bool,
 }
 
 /// A body as the law of flesh sees it.
@@ -57,14 +81,19 @@ pub(crate) struct Anatomy {
     pub(super) nodes: Csr<Node>,
     /// Per slot, the joint that the nodes of a row hang on, or the world.
     pub(super) tops: Vec<u16>,
-    pub(super) near: Csr<Near>,
-    /// Per patch, all joints of its rows.
-    pub(super) joints_of_patch: Csr<u16>,
+    /// Bends: per row the blocks, and per patch the rows.
+    pub(super) near: Csr<NearBlock>,
+    pub(super) near_of_patch: Csr<JointRow>,
+    /// Twists of points that hang on one joint and the bone above alone, where skinning is linear; others have nodes.
+    pub(super) twists: Csr<TwistBlock>,
+    pub(super) twists_of_patch: Csr<JointRow>,
+    /// Per patch, joints of its nodes.
+    pub(super) nodes_of_patch: Csr<u16>,
 }
 
 impl Anatomy {
     pub fn new(parts: &Parts) -> Self {
-        let Parts { patches, sites, tree, rest, places, areas } = *parts;
+        let Parts { patches, sites, tree, rest, places, areas, is_linear } = *parts;
         let count = tree.len();
         let slots: Vec<usize> = patches.list.iter().flat_map(|patch| patch.start..patch.start + patch.owned).collect();
         let under: Vec<Vec<(usize, f64, f64)>> = (0..places.len()).map(|slot| hanging(sites, tree, slot)).collect();
@@ -80,31 +109,71 @@ impl Anatomy {
             }
         }
         let limbs: Vec<Option<Limb>> = (0..count).map(|joint| Limb::new(tree, joint, &rest[joint], &held, &skin[joint])).collect();
-        let reaches: Vec<f64> =
-            limbs.iter().map(|limb| limb.as_ref().map_or(0.0, |l| NEAR_MAX * l.reach_max() + REACH * l.radius)).collect();
-        let mut result = Self { limbs, nodes: Csr::default(), tops: Vec::new(), near: Csr::default(), joints_of_patch: Csr::default() };
-        let mut joints: Vec<u16> = Vec::new();
+        let reaches: Vec<f64> = limbs
+            .iter()
+            .map(|limb| limb.as_ref().map_or(0.0, |l| (NEAR_MAX * l.reach_max).hypot(REACH * l.radius) + l.head.distance(l.middle)))
+            .collect();
+        let mut result = Self {
+            limbs,
+            nodes: Csr::default(),
+            tops: Vec::new(),
+            near: Csr::default(),
+            near_of_patch: Csr::default(),
+            twists: Csr::default(),
+            twists_of_patch: Csr::default(),
+            nodes_of_patch: Csr::default(),
+        };
         for (index, patch) in patches.list.iter().enumerate() {
-            joints.clear();
+            let (mut near, mut twists): (BTreeMap<u16, Numbers>, BTreeMap<u16, Numbers>) = (BTreeMap::new(), BTreeMap::new());
+            let mut of_nodes: Vec<u16> = Vec::new();
             let slots = patch.start..patches.slot_offsets[index + 1] as usize;
-            for slot in slots {
-                let is_owned = slot < patch.start + patch.owned;
-                let (top, nodes) = if is_owned { result.nodes_of(tree, places[slot], &under[slot]) } else { (tree.world(), Vec::new()) };
-                let near = if is_owned { result.near_of(tree, &reaches, places[slot], &under[slot]) } else { Vec::new() };
-                joints.extend(nodes.iter().map(|node| node.joint).chain(near.iter().map(|near| near.joint)));
+            let row = || vec![[0.0; 3]; slots.len()];
+            for (at, slot) in slots.clone().enumerate() {
+                if at >= patch.owned {
+                    result.tops.push(tree.world() as u16);
+                    result.nodes.push_row([]);
+                    continue;
+                }
+                let (top, mut nodes) = result.nodes_of(tree, places[slot], &under[slot]);
+                if let (true, [node]) = (is_linear, &*nodes) {
+                    if result.limbs[usize::from(node.joint)].is_some() {
+                        twists.entry(node.joint).or_insert_with(row)[at] = [node.under, node.share[0], node.share[1]];
+                    }
+                    nodes.clear();
+                }
+                of_nodes.extend(nodes.iter().map(|node| node.joint));
                 result.tops.push(top as u16);
                 result.nodes.push_row(nodes);
-                result.near.push_row(near);
+                for (joint, kin, share) in result.near_of(tree, &reaches, places[slot], &under[slot]) {
+                    near.entry(joint).or_insert_with(row)[at] = [kin, share[0], share[1]];
+                }
             }
-            joints.sort_unstable();
-            joints.dedup();
-            result.joints_of_patch.push_row(joints.iter().copied());
+            of_nodes.sort_unstable();
+            of_nodes.dedup();
+            result.nodes_of_patch.push_row(of_nodes);
+            let rows = |first: usize, joints: &BTreeMap<u16, Numbers>| -> Vec<JointRow> {
+                (first..).zip(joints.keys()).map(|(row, &joint)| JointRow { joint, row: row as u32 }).collect()
+            };
+            result.near_of_patch.push_row(rows(result.near.len(), &near));
+            for numbers in near.values() {
+                result.near.push_row(blocks(numbers).map(|(number, [kin, a, b])| NearBlock { number, kin, shares: [a, b] }));
+            }
+            result.twists_of_patch.push_row(rows(result.twists.len(), &twists));
+            for numbers in twists.values() {
+                result.twists.push_row(blocks(numbers).map(|(number, [under, a, b])| TwistBlock { number, under, shares: [a, b] }));
+            }
         }
         result
     }
 
     pub fn memory_bytes(&self) -> usize {
-        self.nodes.memory_bytes() + self.near.memory_bytes() + self.joints_of_patch.memory_bytes() + size_of_val(&*self.tops)
+        self.nodes.memory_bytes()
+            + self.near.memory_bytes()
+            + self.near_of_patch.memory_bytes()
+            + self.twists.memory_bytes()
+            + self.twists_of_patch.memory_bytes()
+            + self.nodes_of_patch.memory_bytes()
+            + size_of_val(&*self.tops)
     }
 
     /// Joints whose twists a point may feel, and the one on which they hang.
@@ -137,23 +206,31 @@ impl Anatomy {
         (top, nodes)
     }
 
-    /// Joints whose bends may reach a point.
-    fn near_of(&self, tree: &JointTree, reaches: &[f64], place: DVec3, under: &[(usize, f64, f64)]) -> Vec<Near> {
+    /// Joints whose bends may reach a point, how much of it is theirs, and its shares of their twists.
+    fn near_of(&self, tree: &JointTree, reaches: &[f64], place: DVec3, under: &[(usize, f64, f64)]) -> Vec<(u16, f32, [f32; 2])> {
         let limbs = self.limbs.iter().enumerate().filter_map(|(joint, limb)| Some((joint, limb.as_ref()?)));
-        let close = limbs.filter(|(joint, limb)| place.distance_squared(limb.middle) < reaches[*joint].powi(2));
+        let close =
+            limbs.filter(|(joint, limb)| place.distance_squared(limb.head) < reaches[*joint].powi(2) && limb.may_reach(place, REACH));
         let near = close.filter_map(|(joint, limb)| {
-            let part_of = |joint: usize| under.iter().find(|u| u.0 == joint).map_or(0.0, |u| u.2);
-            let own_of = |joint: usize| under.iter().find(|u| u.0 == joint).map_or(0.0, |u| u.1);
-            let part = part_of(joint);
-            let above: f64 = tree.chain(usize::from(tree.parents[joint])).map(own_of).sum();
+            let find = |joint: usize| under.iter().find(|u| u.0 == joint).map_or((0.0, 0.0), |u| (u.1, u.2));
+            let above: f64 = tree.chain(usize::from(tree.parents[joint])).map(|joint| find(joint).0).sum();
+            let (part, parent) = (find(joint).1, find(usize::from(tree.parents[joint])).1);
             let kin = (part + above).min(1.0);
-            let parent = part_of(usize::from(tree.parents[joint]));
             let relative = if parent > 0.0 { (part / parent).min(1.0) } else { part };
-            let share = [relative as f32, limb.share_along(place, relative) as f32];
-            (kin > 1.0 - WHOLE).then_some(Near { joint: joint as u16, share, kin: kin as f32 })
+            (kin > 1.0 - WHOLE).then(|| (joint as u16, kin as f32, [relative as f32, limb.share_along(place, relative) as f32]))
         });
         near.collect()
     }
+}
+
+/// Blocks with anything in them, by number.
+fn blocks(numbers: &[[f32; 3]]) -> impl Iterator<Item = (u32, [Block<f32>; 3])> {
+    let all = (0..).zip(numbers.chunks(LANES));
+    let used = all.filter(|(_, points)| points.iter().any(|point| *point != [0.0; 3]));
+    used.map(|(number, points)| {
+        let row = |which: usize| std::array::from_fn(|lane| points.get(lane).map_or(0.0, |point| point[which]));
+        (number, [row(0), row(1), row(2)])
+    })
 }
 
 /// Joints that a point hangs on, parents first: the weight of each bone, and of all that hangs on it.

@@ -1,96 +1,149 @@
 //! Near a bend skin shifts to its inside, and grows across.
 
-use glam::DVec3;
-
-use super::anatomy::Near;
+use super::anatomy::NearBlock;
+use super::lanes::{Points8, add, at, dot, each, each3, scale, single, smooth, sub, turned};
 use super::limb::Limb;
-use super::smoothstep;
 use super::turn::Turn;
+use crate::numeric::block_rows::Block;
 
 /// How far along the limb, in radii: exp(−(x/width)²), to 4 %, as (1 − (x/width)²/8)⁸.
-const WIDTH: f64 = 0.9;
-const ENDS: f64 = 8.0;
+const WIDTH: f32 = 0.9;
+const ENDS: f32 = 8.0;
 /// Where the law ends along the limb, in radii.
 pub(super) const REACH: f64 = 2.55;
 /// Across the limb it holds up to the first of these, in reaches of the section, and ends so much farther out.
-const RIM: f64 = 1.3;
-const FADE: f64 = 0.7;
+const RIM: f32 = 1.3;
+const FADE: f32 = 0.7;
 /// What sticks out to the inside or outside (breasts) is the joint's own sooner than what does sideways (the other thigh).
-const FRONT: f64 = 0.6;
+const FRONT: f32 = 0.6;
 /// Farthest that anything is across, in reaches of the section.
-pub(super) const NEAR_MAX: f64 = (RIM + FADE) / FRONT;
+pub(super) const NEAR_MAX: f64 = 2.0 / 0.6;
 /// Growth across ends here, in radii.
-const WIDE_MAX: f64 = 1.5;
+const WIDE_MAX: f32 = 1.5;
 
-/// A place in the frame of a bend, at rest.
+/// A bend in one frame, as its points need it, in single precision.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bent {
+    head: [f32; 3],
+    /// From the section's middle to the joint.
+    to_head: [f32; 3],
+    axis_of_twist: [f32; 3],
+    twist: f32,
+    spread: f32,
+    /// Over the radius.
+    along: [f32; 3],
+    inside: [f32; 3],
+    axis: [f32; 3],
+    sides: [f32; 4],
+    per_radius: f32,
+    posed_inside: [f32; 3],
+    posed_axis: [f32; 3],
+    to_inside: f32,
+    from_outside: f32,
+    wider: f32,
+    strength: f32,
+}
+
+/// Eight places in the frame of a bend, at rest.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct InBend {
     /// Along the limb from the joint, in radii.
-    pub along: f64,
+    pub along: Block<f32>,
     /// To the inside from the section's middle, in its reaches: 1 the inner skin, −1 the outer.
-    pub inside: f64,
+    inside: Block<f32>,
     /// Along the axis, in radii.
-    pub across: f64,
+    across: Block<f32>,
     /// Part of the point that is the joint's, all along the limb.
-    pub mask: f64,
+    pub mask: Block<f32>,
 }
 
-impl InBend {
-    /// `None` out of reach. The place is turned by its share of the twist first: in the bone above it meets the bend so.
-    pub fn new(limb: &Limb, turn: &Turn, near: &Near, place: DVec3) -> Option<Self> {
+impl Bent {
+    /// `centre`: that places are told from.
+    pub fn new(limb: &Limb, turn: &Turn, centre: glam::DVec3) -> Self {
         let bend = &turn.bend;
-        let mut from_head = place - limb.head;
-        if turn.twist != 0.0 {
-            let (sine, cosine) = (turn.share(near.share) * turn.twist).sin_cos();
-            let across = limb.axis.cross(from_head);
-            from_head += across * sine + limb.axis.cross(across) * (1.0 - cosine);
+        Self {
+            head: single(limb.head - centre),
+            to_head: single(limb.head - limb.middle),
+            axis_of_twist: single(limb.axis),
+            twist: turn.twist as f32,
+            spread: turn.spread as f32,
+            along: single(bend.along / limb.radius),
+            inside: single(bend.inside),
+            axis: single(bend.axis),
+            sides: bend.sides.map(|side| side as f32),
+            per_radius: limb.radius.recip() as f32,
+            posed_inside: single(bend.posed_inside),
+            posed_axis: single(bend.posed_axis),
+            to_inside: bend.to_inside as f32,
+            from_outside: bend.from_outside as f32,
+            wider: bend.wider as f32,
+            strength: bend.strength as f32,
         }
-        let along = from_head.dot(bend.along) / limb.radius;
-        if along.abs() >= REACH {
-            return None;
-        }
-        let from_middle = from_head + (limb.head - limb.middle);
-        let (height, across) = (from_middle.dot(bend.inside), from_middle.dot(bend.axis));
-        let [inner, outer, left, right] = bend.sides;
-        let inside = height * if height > 0.0 { inner } else { outer };
-        let sideways = across * if across > 0.0 { left } else { right };
-        let rim = (FRONT * inside).hypot(sideways);
-        let mask = (1.0 - smoothstep((rim - RIM) / FADE)) * f64::from(near.kin);
-        (mask > 0.0).then_some(Self { along, inside, across: across / limb.radius, mask })
     }
 
-    /// Part of the point that the bend moves.
-    pub fn part(&self) -> f64 {
-        (1.0 - (self.along / WIDTH).powi(2) / ENDS).max(0.0).powi(8) * self.mask
-    }
-
-    /// Shift and growth of a point that is the joint's alone.
-    pub fn shift(&self, turn: &Turn) -> DVec3 {
-        let bend = &turn.bend;
-        let inner = (0.5 * (1.0 + self.inside)).clamp(0.0, 1.0);
-        let shift = bend.to_inside * inner + bend.from_outside * (1.0 - inner);
-        bend.posed_inside * shift + bend.posed_axis * (bend.wider * self.across.clamp(-WIDE_MAX, WIDE_MAX))
+    /// Places turned by their share of the twist first: in the bone above they meet the bend so.
+    #[inline(always)]
+    pub fn places(&self, near: &NearBlock, points: &Points8) -> InBend {
+        let mut result = InBend { along: [0.0; 8], inside: [0.0; 8], across: [0.0; 8], mask: [0.0; 8] };
+        let [inner, outer, left, right] = self.sides;
+        for lane in 0..8 {
+            let mut from_head = sub(at(points, lane), self.head);
+            if self.twist != 0.0 {
+                let (blended, along) = (near.shares[0][lane], near.shares[1][lane]);
+                let by = turned(self.axis_of_twist, from_head, (blended + (along - blended) * self.spread) * self.twist);
+                from_head = add(from_head, by);
+            }
+            let from_middle = add(from_head, self.to_head);
+            let (height, across) = (dot(from_middle, self.inside), dot(from_middle, self.axis));
+            let inside = height.max(0.0) * inner + height.min(0.0) * outer;
+            let sideways = across.max(0.0) * left + across.min(0.0) * right;
+            let rim = (FRONT * FRONT * inside * inside + sideways * sideways).sqrt();
+            result.along[lane] = dot(from_head, self.along);
+            result.inside[lane] = inside;
+            result.across[lane] = across * self.per_radius;
+            result.mask[lane] = (1.0 - smooth((rim - RIM) / FADE)) * near.kin[lane];
+        }
+        result
     }
 }
 
-/// Sum of the shifts of joints whose reaches overlap: as many as there are count as one.
+/// Sums over joints whose reaches overlap: as many as there are count as one.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Shifts {
-    sum: DVec3,
-    weight: f64,
-    square: f64,
+    sum: Points8,
+    weight: Block<f32>,
+    square: Block<f32>,
 }
 
 impl Shifts {
-    pub fn add(&mut self, part: f64, strength: f64, shift: DVec3) {
-        self.sum += shift * part;
-        self.weight += part * strength;
-        self.square += part * strength * strength;
+    pub const NONE: Self = Self { sum: [[0.0; 8]; 3], weight: [0.0; 8], square: [0.0; 8] };
+
+    /// Adds shift and growth by one bend.
+    #[inline(always)]
+    pub fn add(&mut self, bent: &Bent, places: &InBend) {
+        for lane in 0..8 {
+            let x = places.along[lane] * (1.0 / WIDTH);
+            let bell = (1.0 - x * x * (1.0 / ENDS)).max(0.0);
+            let (bell, inner) = (bell * bell, (0.5 * (1.0 + places.inside[lane])).max(0.0).min(1.0));
+            let bell = bell * bell;
+            let part = bell * bell * places.mask[lane];
+            let shift = part * (bent.to_inside * inner + bent.from_outside * (1.0 - inner));
+            let growth = part * bent.wider * places.across[lane].max(-WIDE_MAX).min(WIDE_MAX);
+            for axis in 0..3 {
+                self.sum[axis][lane] += bent.posed_inside[axis] * shift + bent.posed_axis[axis] * growth;
+            }
+            self.weight[lane] += part * bent.strength;
+            self.square[lane] += part * bent.strength * bent.strength;
+        }
     }
 
     /// The sum, over how many joints of their mean strength there are, if these are more than one.
-    pub fn total(&self) -> DVec3 {
-        let count = if self.square > 0.0 { self.weight * self.weight / self.square } else { 0.0 };
-        self.sum / count.max(1.0)
+    #[inline(always)]
+    pub fn total(&self) -> Points8 {
+        let parts = each(|lane| {
+            let (weight, square) = (self.weight[lane], self.square[lane]);
+            square / (weight * weight).max(square).max(f32::MIN_POSITIVE)
+        });
+        each3(|lane| scale(at(&self.sum, lane), parts[lane]))
     }
 }

@@ -6,6 +6,7 @@
 mod anatomy;
 mod bend;
 mod crease;
+mod lanes;
 mod limb;
 pub(crate) mod settings;
 pub(crate) mod shape;

@@ -1,23 +1,33 @@
 //! One frame of the law: what it adds to each skinned point.
 
+use std::ops::Range;
+
+use fearless_simd::{Level, Simd, dispatch};
 use glam::{DAffine3, DVec3};
 
 use super::anatomy::Anatomy;
-use super::bend::{InBend, Shifts};
-use super::crease::creased;
+use super::bend::{Bent, Shifts};
+use super::crease::Crease;
+use super::lanes::{self, Points8, single};
 use super::settings::Flesh;
+use super::smoothstep;
 use super::turn::Turn;
-use super::twist::Twists;
+use super::twist::{Twisted, Twists};
+use crate::numeric::block_rows::{Block, LANES, PATCH_POINTS};
 use crate::parallel::split::{Ragged, for_each_piece};
 use crate::skinning::blend::Mode;
 use crate::skinning::motions::Motions;
 use crate::surface::patches::Patches;
+
+/// From this bend on fields lie in the frame of the halved bend as far as the law is followed; radians.
+const BENT: f64 = 0.5;
 
 /// Room for one frame.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Shape {
     /// Per joint; all still where nothing is added.
     turns: Vec<Turn>,
+    joints: Vec<InFrame>,
     is_active: bool,
     /// Per slot, armature space: in single precision, as it leaves the engine.
     offsets: Vec<[f32; 4]>,
@@ -38,8 +48,10 @@ pub(crate) struct Points<P, S, F> {
     pub place: P,
     /// Where it is skinned.
     pub skinned: S,
-    /// Part of what the law adds that holds there.
-    pub factor: F,
+    /// Part of what the law adds that holds there; `None`: all.
+    pub factor: Option<F>,
+    /// Amid the rest places.
+    pub centre: DVec3,
 }
 
 impl Shape {
@@ -72,6 +84,16 @@ impl Shape {
     /// How much a joint turns, and the radius of its limb: what an unexplained change of volume is shared by.
     pub fn extent(&self, anatomy: &Anatomy, joint: usize) -> f64 {
         anatomy.limbs[joint].as_ref().map_or(0.0, |limb| self.turns[joint].extent() * limb.radius.powi(3))
+    }
+
+    /// Middle of the section through a bent joint, and the direction of the limb turned by half of the bend, posed; with how far
+    /// the joint bends, 0 straight .. 1. `None` where it follows no law.
+    pub fn halved(&self, anatomy: &Anatomy, motions: &Motions, joint: usize) -> Option<(DVec3, DVec3, f64)> {
+        let turn = self.turns.get(joint).filter(|turn| self.is_active && turn.bend.strength > 0.0)?;
+        let middle = anatomy.limbs[joint].as_ref()?.middle;
+        let above = &motions.channels[usize::from(motions.tree.parents[joint])];
+        let posed = above.transform_point3(middle).midpoint(motions.channels[joint].transform_point3(middle));
+        Some((posed, turn.bend.posed_along.try_normalize()?, turn.amount * smoothstep(turn.bend.angle / BENT)))
     }
 
     pub fn memory_bytes(&self) -> usize {
@@ -143,114 +165,188 @@ impl Shape {
     {
         self.offsets.resize(patches.slot_count(), [0.0; 4]);
         self.free.resize(if self.has_creases { patches.slot_count() } else { 0 }, 1.0);
-        let frame = Frame {
-            anatomy,
-            turns: &self.turns,
-            twists: Twists { limbs: &anatomy.limbs, turns: &self.turns, channels: &motions.channels },
-            motions,
-        };
+        self.joints.clear();
+        self.joints.extend(anatomy.limbs.iter().zip(&self.turns).enumerate().map(|(joint, (limb, turn))| {
+            limb.as_ref().filter(|_| !turn.is_still()).map_or(InFrame::default(), |limb| {
+                let (above, own) = (&motions.channels[usize::from(motions.tree.parents[joint])], &motions.channels[joint]);
+                InFrame {
+                    twisted: (turn.twist != 0.0).then(|| Twisted::new(limb, turn, above, own, points.centre)),
+                    bent: (turn.bend.strength > 0.0).then(|| Bent::new(limb, turn, points.centre)),
+                    crease: Crease::new(turn, own.transform_point3(limb.head)),
+                }
+            })
+        }));
+        let twists = Twists { limbs: &anatomy.limbs, turns: &self.turns, channels: &motions.channels };
+        let frame = Frame { anatomy, joints: &self.joints, twists, is_linear: motions.palette.mode == Mode::Linear };
+        let level = Level::new();
         let free_offsets = if self.has_creases { &patches.slot_offsets } else { &patches.no_rows };
         for_each_piece(
             patches.list.len(),
             (Ragged::new(&mut self.offsets, &patches.slot_offsets), Ragged::new(&mut self.free, free_offsets)),
             &|index, (offsets, free)| {
-                let patch = &patches.list[index];
-                let joints = anatomy.joints_of_patch.row(index);
-                free.values.fill(1.0);
-                if joints.iter().all(|&joint| frame.turns[usize::from(joint)].is_still()) {
-                    offsets.values.fill([0.0; 4]);
-                    return;
-                }
-                let bent = joints.iter().any(|&joint| frame.turns[usize::from(joint)].bend.strength > 0.0);
-                for (place, offset) in offsets.values[..patch.owned].iter_mut().enumerate() {
-                    let slot = patch.start + place;
-                    let factor = (points.factor)(slot);
-                    *offset = [0.0; 4];
-                    if factor == 0.0 {
-                        continue;
-                    }
-                    let (added, touch) = frame.of_slot(points, slot, bent);
-                    let [x, y, z] = (added * factor).as_vec3().to_array();
-                    *offset = [x, y, z, 0.0];
-                    if let Some(free) = free.values.get_mut(place) {
-                        *free = (1.0 - touch * factor) as f32;
-                    }
-                }
+                let slots = patches.list[index].start..patches.list[index].start + patches.list[index].owned;
+                let (offsets, free) = (offsets.values.as_chunks_mut().0, free.values.as_chunks_mut().0);
+                dispatch!(level, simd => frame.patch(simd, index, slots, points, offsets, free));
             },
         );
     }
 }
 
+/// What one joint does in one frame.
+#[derive(Debug, Clone, Copy, Default)]
+struct InFrame {
+    twisted: Option<Twisted>,
+    bent: Option<Bent>,
+    crease: Option<Crease>,
+}
+
 #[derive(Clone, Copy)]
 struct Frame<'a> {
     anatomy: &'a Anatomy,
-    turns: &'a [Turn],
+    joints: &'a [InFrame],
     twists: Twists<'a>,
-    motions: &'a Motions,
+    is_linear: bool,
 }
 
+const BLOCKS: usize = PATCH_POINTS / LANES;
+const NOWHERE: Points8 = [[0.0; LANES]; 3];
+
 impl Frame<'_> {
-    /// What is added to the point in a slot, and the part of it that lies in closed creases.
-    #[inline]
-    fn of_slot<P, S, F>(&self, points: &Points<P, S, F>, slot: usize, bent: bool) -> (DVec3, f64)
-    where
+    /// What is added to the points of a patch, and what of them lies in no closed crease.
+    #[inline(always)]
+    fn patch<V: Simd, P, S, F>(
+        &self,
+        _simd: V,
+        index: usize,
+        slots: Range<usize>,
+        points: &Points<P, S, F>,
+        offsets: &mut [Block<[f32; 4]>],
+        free: &mut [Block<f32>],
+    ) where
         P: Fn(usize) -> DVec3,
         S: Fn(usize) -> DVec3,
+        F: Fn(usize) -> f64,
     {
-        let Anatomy { limbs, nodes, tops, near, .. } = self.anatomy;
-        let (nodes, near) = (nodes.row(slot), near.row(slot));
-        if nodes.is_empty() && near.is_empty() {
-            return (DVec3::ZERO, 0.0);
+        offsets.as_flattened_mut().fill([0.0; 4]);
+        free.as_flattened_mut().fill(1.0);
+        let Anatomy { nodes, tops, near, near_of_patch, twists, twists_of_patch, nodes_of_patch, .. } = self.anatomy;
+        let (near_rows, twist_rows) = (near_of_patch.row(index), twists_of_patch.row(index));
+        let of_joint = |joint: u16| &self.joints[usize::from(joint)];
+        let has_bends = near_rows.iter().any(|row| of_joint(row.joint).bent.is_some());
+        let has_twists = twist_rows.iter().any(|row| of_joint(row.joint).twisted.is_some());
+        let is_moved = |joint: u16| of_joint(joint).twisted.is_some() || (!self.is_linear && of_joint(joint).bent.is_some());
+        let has_nodes = nodes_of_patch.row(index).iter().any(|&joint| is_moved(joint));
+        if !(has_bends || has_twists || has_nodes) {
+            return;
         }
-        let place = (points.place)(slot);
-        let mut added = DVec3::ZERO;
-        let is_still = |joint: u16| self.turns[usize::from(joint)].is_still();
-        if self.motions.palette.mode == Mode::DualQuaternion {
-            // The law is told from the linear blend: what that is apart from dual quaternions comes first.
-            if !nodes.iter().all(|node| is_still(node.joint)) {
-                let blended = self.twists.blended(nodes, usize::from(tops[slot]), place);
-                added = blended.by + (blended.place - (points.skinned)(slot)) * blended.amount;
-            }
-        } else if !self.twists.are_still(nodes) {
-            added = self.twists.added(nodes, usize::from(tops[slot]), place);
+        let (mut places, mut added) = ([NOWHERE; BLOCKS], [NOWHERE; BLOCKS]);
+        for (at, slot) in slots.clone().enumerate() {
+            put(&mut places, at, single((points.place)(slot) - points.centre));
         }
-        if !bent {
-            return (added, 0.0);
-        }
-        let mut shifts = Shifts::default();
-        let mut has_creases = false;
-        for of in near {
-            let turn = &self.turns[usize::from(of.joint)];
-            if turn.bend.strength <= 0.0 {
-                continue;
-            }
-            let Some(limb) = &limbs[usize::from(of.joint)] else { continue };
-            if let Some(rest) = InBend::new(limb, turn, of, place) {
-                let part = rest.part();
-                if part > 0.0 {
-                    shifts.add(part, turn.bend.strength, rest.shift(turn));
+        for row in twist_rows {
+            if let Some(twisted) = &of_joint(row.joint).twisted {
+                for block in twists.row(row.row as usize) {
+                    twisted.add(block, &places[block.number as usize], &mut added[block.number as usize]);
                 }
-                has_creases |= turn.bend.crease > 0.0;
             }
         }
-        added += shifts.total();
-        let mut touch = 0.0;
-        if has_creases {
-            let stands = (points.skinned)(slot) + added;
-            for of in near {
-                let joint = usize::from(of.joint);
-                let (turn, Some(limb)) = (&self.turns[joint], &limbs[joint]) else { continue };
-                if turn.bend.crease <= 0.0 {
+        if has_nodes {
+            for (at, slot) in slots.clone().enumerate() {
+                let nodes = nodes.row(slot);
+                if !nodes.iter().any(|node| is_moved(node.joint)) {
                     continue;
                 }
-                let head = self.motions.channels[joint].transform_point3(limb.head);
-                let rest = InBend::new(limb, turn, of, place);
-                if let Some(crease) = rest.and_then(|rest| creased(turn, &rest, stands - head)) {
-                    added += crease.by;
-                    touch = 1.0 - (1.0 - touch) * (1.0 - crease.touch);
-                }
+                let blended = self.twists.blended(nodes, usize::from(tops[slot]), (points.place)(slot));
+                // With dual quaternions the law is still told from the linear blend: what that is apart from them comes first.
+                let apart = if self.is_linear { DVec3::ZERO } else { (blended.place - (points.skinned)(slot)) * blended.amount };
+                let so_far = at_lane(&added, at);
+                put(&mut added, at, lanes::add(so_far, single(blended.by + apart)));
             }
         }
-        (added, touch)
+        if has_bends {
+            let mut shifts = [Shifts::NONE; BLOCKS];
+            for row in near_rows {
+                if let Some(bent) = &of_joint(row.joint).bent {
+                    for block in near.row(row.row as usize) {
+                        let number = block.number as usize;
+                        shifts[number].add(bent, &bent.places(block, &places[number]));
+                    }
+                }
+            }
+            for (added, shifts) in added.iter_mut().zip(&shifts) {
+                add_to(added, &shifts.total());
+            }
+            self.crease(index, slots.clone(), points, &places, &mut added, free);
+        }
+        for (at, slot) in slots.enumerate() {
+            let factor = points.factor.as_ref().map_or(1.0, |factor| factor(slot) as f32);
+            let [x, y, z] = lanes::scale(at_lane(&added, at), factor);
+            offsets[at / LANES][at % LANES] = [x, y, z, 0.0];
+            if let Some(free) = free.get_mut(at / LANES) {
+                free[at % LANES] = 1.0 - (1.0 - free[at % LANES]) * factor;
+            }
+        }
+    }
+
+    /// Closes creases, each by where skin stands without any.
+    #[inline(always)]
+    fn crease<P, S, F>(
+        &self,
+        index: usize,
+        slots: Range<usize>,
+        points: &Points<P, S, F>,
+        places: &[Points8; BLOCKS],
+        added: &mut [Points8; BLOCKS],
+        free: &mut [Block<f32>],
+    ) where
+        S: Fn(usize) -> DVec3,
+    {
+        let rows = self.anatomy.near_of_patch.row(index);
+        if free.is_empty() || rows.iter().all(|row| self.joints[usize::from(row.joint)].crease.is_none()) {
+            return;
+        }
+        let shaped = *added;
+        let mut skinned: [Option<[DVec3; LANES]>; BLOCKS] = [None; BLOCKS];
+        for row in rows {
+            let InFrame { bent: Some(bent), crease: Some(crease), .. } = &self.joints[usize::from(row.joint)] else { continue };
+            for block in self.anatomy.near.row(row.row as usize) {
+                let number = block.number as usize;
+                let rest = bent.places(block, &places[number]);
+                let parts = crease.parts(&rest);
+                if parts.iter().all(|part| *part <= 0.0) {
+                    continue;
+                }
+                let skinned = skinned[number].get_or_insert_with(|| {
+                    std::array::from_fn(|lane| {
+                        let slot = slots.start + number * LANES + lane;
+                        if slot < slots.end { (points.skinned)(slot) } else { DVec3::ZERO }
+                    })
+                });
+                let mut from_joint = lanes::each3(|lane| single(skinned[lane] - crease.joint));
+                add_to(&mut from_joint, &shaped[number]);
+                crease.hold(&rest, &parts, &from_joint, &mut added[number], &mut free[number]);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn at_lane(points: &[Points8; BLOCKS], at: usize) -> [f32; 3] {
+    lanes::at(&points[at / LANES], at % LANES)
+}
+
+#[inline(always)]
+fn put(points: &mut [Points8; BLOCKS], at: usize, v: [f32; 3]) {
+    for axis in 0..3 {
+        points[at / LANES][axis][at % LANES] = v[axis];
+    }
+}
+
+#[inline(always)]
+fn add_to(points: &mut Points8, by: &Points8) {
+    for axis in 0..3 {
+        for lane in 0..LANES {
+            points[axis][lane] += by[axis][lane];
+        }
     }
 }

@@ -10,8 +10,8 @@ use super::smoothstep;
 
 /// The law fades out over this angle before a half turn, where neither axis nor direction of a turn can be told.
 const FADE: f64 = FRAC_PI_6;
-/// It follows a bone's map whose determinant over its columns' lengths is above the second, and none below the first.
-const SHEARED: [f64; 2] = [0.1, 0.5];
+/// It follows a bone's map whose determinant, over its longest column cubed, is above the second, and none below the first.
+const FLATTENED: [f64; 2] = [0.02, 0.15];
 /// A turn by less than this is none: rounding of matrices in single precision.
 const ANGLE_MIN: f64 = 1e-7;
 
@@ -70,9 +70,9 @@ impl Turn {
             return Self::default();
         }
         let soundness = |m: &DMat3| {
-            let size = m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
-            let volume = if size > 0.0 { m.determinant() / size } else { 0.0 };
-            smoothstep((volume - SHEARED[0]) / (SHEARED[1] - SHEARED[0]))
+            let longest = m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length());
+            let volume = m.determinant() / longest.powi(3);
+            if volume.is_nan() { 0.0 } else { smoothstep((volume - FLATTENED[0]) / (FLATTENED[1] - FLATTENED[0])) }
         };
         let sound = soundness(&above.matrix3) * soundness(&own.matrix3);
         if !(sound > 0.0) {

@@ -10,9 +10,11 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::anatomy::{NODES_MAX, Node};
+use super::anatomy::{NODES_MAX, Node, TwistBlock};
+use super::lanes::{self, Points8, at, image, scale, single, single3, turned};
 use super::limb::Limb;
 use super::turn::Turn;
+use crate::numeric::block_rows::LANES;
 
 /// What a frame does to the joints, as twists need it.
 #[derive(Clone, Copy)]
@@ -36,7 +38,7 @@ pub(super) struct Blended {
 
 impl Twists<'_> {
     /// v turned about a joint's axis by an angle, less v.
-    fn turned(&self, joint: usize, v: DVec3, angle: f64) -> DVec3 {
+    fn turned_about(&self, joint: usize, v: DVec3, angle: f64) -> DVec3 {
         let Some(limb) = &self.limbs[joint] else { return DVec3::ZERO };
         let (sine, cosine) = angle.sin_cos();
         let across = limb.axis.cross(v);
@@ -49,26 +51,7 @@ impl Twists<'_> {
             return DVec3::ZERO;
         }
         let head = self.limbs[joint].as_ref().map_or(DVec3::ZERO, |limb| limb.head);
-        self.turned(joint, part - head * weight, angle)
-    }
-
-    /// True where none of the joints of a row twists.
-    pub fn are_still(&self, nodes: &[Node]) -> bool {
-        nodes.iter().all(|node| self.turns[usize::from(node.joint)].twist == 0.0)
-    }
-
-    /// What turning by angle adds to a point that rests at `place`, `top` the joint that its nodes hang on.
-    pub fn added(&self, nodes: &[Node], top: usize, place: DVec3) -> DVec3 {
-        if let [node] = nodes {
-            let joint = usize::from(node.joint);
-            let turn = &self.turns[joint];
-            let Some(limb) = &self.limbs[joint] else { return DVec3::ZERO };
-            let (v, share, part) = (place - limb.head, turn.share(node.share), f64::from(node.under));
-            let own = if part < 1.0 { self.turned(joint, v, share * turn.twist) * (1.0 - part) } else { DVec3::ZERO };
-            let below = if share < 1.0 { self.turned(joint, v, (share - 1.0) * turn.twist) * part } else { DVec3::ZERO };
-            return self.channels[top].matrix3 * own + self.channels[joint].matrix3 * below;
-        }
-        self.blended(nodes, top, place).by
+        self.turned_about(joint, part - head * weight, angle)
     }
 
     /// The whole blend of a point.
@@ -128,6 +111,48 @@ impl Twists<'_> {
     fn local(&self, joint: usize, above: usize) -> DAffine3 {
         let turn = &self.turns[joint];
         if turn.amount > 0.0 { turn.local } else { self.channels[above].inverse() * self.channels[joint] }
+    }
+}
+
+/// A joint's twist in one frame, for points that hang on it and the bone above alone.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Twisted {
+    head: [f32; 3],
+    axis: [f32; 3],
+    twist: f32,
+    spread: f32,
+    /// Turns of the bone above, and of the joint's own.
+    above: [[f32; 3]; 3],
+    own: [[f32; 3]; 3],
+}
+
+impl Twisted {
+    /// `centre`: that places are told from.
+    pub fn new(limb: &Limb, turn: &Turn, above: &DAffine3, own: &DAffine3, centre: DVec3) -> Self {
+        Self {
+            head: single(limb.head - centre),
+            axis: single(limb.axis),
+            twist: turn.twist as f32,
+            spread: turn.spread as f32,
+            above: single3(&above.matrix3),
+            own: single3(&own.matrix3),
+        }
+    }
+
+    /// Adds what turning by angle does: s τ before the bone above moves what is its own, −(1 − s) τ before the joint does.
+    #[inline(always)]
+    pub fn add(&self, block: &TwistBlock, points: &Points8, by: &mut Points8) {
+        for lane in 0..LANES {
+            let from_head = lanes::sub(at(points, lane), self.head);
+            let (blended, along, part) = (block.shares[0][lane], block.shares[1][lane], block.under[lane]);
+            let kept = (blended + (along - blended) * self.spread) * self.twist;
+            let above = scale(turned(self.axis, from_head, kept), 1.0 - part);
+            let own = scale(turned(self.axis, from_head, kept - self.twist), part);
+            let added = lanes::add(image(&self.above, above), image(&self.own, own));
+            for axis in 0..3 {
+                by[axis][lane] += added[axis];
+            }
+        }
     }
 }
 

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use super::{Mask, Pose, Workspace, widened};
 use crate::binding::Binding;
+use crate::fields::field::FieldFrame;
 use crate::fields::joint::Joint;
 use crate::flesh::settings::Flesh;
 use crate::flesh::shape::Points;
-use crate::losses::staged::giant_volume;
 use crate::numeric::lanes::{self, V4};
+use crate::volume_losses::staged::giant_volume;
 
 /// What joints lose by turns that cannot be told from their losses is shared by how much they turn, as this part of what a
 /// limb holds.
@@ -32,10 +33,12 @@ impl Workspace {
         self.flesh.untwist(anatomy, &self.motions, &self.channels, (palette.armature_from_rest(), palette.origin), binding.size);
         let (sites, rest) = (&binding.sites, self.body.rest(binding));
         let mask = self.mask.as_deref();
+        let has_factor = mask.is_some() || pose.is_fleshed.is_some() || !sites.influences.mask.is_empty();
         let points = Points {
             place: |slot: usize| lanes::to(palette.in_armature(sites.mean(slot, |site| rest[site]))),
             skinned: |slot: usize| lanes::to(sites.mean(slot, |site| palette.skin(&sites.influences, site, rest[site]))) + palette.origin,
-            factor: |slot: usize| {
+            centre: palette.armature_from_rest().translation,
+            factor: has_factor.then_some(|slot: usize| {
                 let of_site = |site: usize| {
                     let (joints, weights) = sites.influences.of(site);
                     let fleshed = joints.iter().zip(weights).filter(|(joint, _)| {
@@ -50,7 +53,7 @@ impl Workspace {
                     if is_pinned { 0.0 } else { f64::from(mask.of_slot[slot]) }
                 });
                 free * sites.of_slot(slot).map(of_site).sum::<f64>()
-            },
+            }),
         };
         self.flesh.shape(anatomy, &self.motions, &binding.patches, &points);
         self.keep_out_of_creases(binding);
@@ -64,6 +67,16 @@ impl Workspace {
         let of_slot = free.iter().enumerate().map(|(slot, free)| of_artist(slot) * free).collect();
         let is_pinned = artists.map_or_else(|| vec![false; binding.components.len()], |mask| mask.is_pinned.clone());
         self.mask = Some(Arc::new(Mask { of_slot, is_pinned }));
+    }
+
+    /// Puts a joint's field where flesh gives: amid the section, along the limb that is turned by half of the bend.
+    pub(super) fn halve(&self, binding: &Binding, joint: usize, frame: &mut FieldFrame) {
+        if !self.flesh.is_active() {
+            return;
+        }
+        if let Some((middle, along, part)) = self.flesh.halved(binding.anatomy(), &self.motions, joint) {
+            frame.turn_to(middle - self.motions.palette.origin, along, part);
+        }
     }
 
     /// Volumes of giant faces as skinned, for those with the law.

@@ -29,11 +29,13 @@ pub struct JointField {
 impl Workspace {
     /// The field of a joint, after `skin` and `measure`.
     pub(crate) fn joint_field(&self, binding: &Binding, supports: &Supports, settings: &[Joint], joint: usize) -> JointField {
-        let frame = FieldFrame::new(&self.motions, joint, &settings[joint], supports.lengths[joint], 0.0);
-        let (axes, axes_share) = match axes_of_bend(&self.motions, joint) {
+        let mut frame = FieldFrame::new(&self.motions, joint, &settings[joint], supports.lengths[joint], 0.0);
+        (frame.axes, frame.frame_part) = match axes_of_bend(&self.motions, joint) {
             (_, 0.0) => (axes_of_no_bend(&self.motions, joint), 0.0),
             bent => bent,
         };
+        self.halve(binding, joint, &mut frame);
+        let (axes, axes_share) = (frame.axes, frame.frame_part);
         let growth = self.object.matrix3.determinant().abs().cbrt();
         let of_slot = self.gamma_of_slots(binding, supports, settings, joint);
         JointField {

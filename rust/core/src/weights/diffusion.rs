@@ -24,7 +24,7 @@ const LEAST_MASS: f64 = 1e-9;
 pub struct Diffusion {
     factor: Llt<u32, f64>,
     /// 2M/ℓ², with the middles of polygons.
-    hold: Vec<f64>,
+    masses_per_step: Vec<f64>,
     laplacian: Laplacian,
     count: usize,
 }
@@ -37,13 +37,13 @@ impl Diffusion {
         let mean = laplacian.masses.iter().sum::<f64>() / size as f64;
         let mean_length = |corners: &[u32]| corners.iter().map(|&p| lengths[p as usize]).sum::<f64>() / corners.len() as f64;
         let lengths = lengths.iter().copied().chain(laplacian.polygons.rows().map(mean_length));
-        let hold: Vec<f64> = laplacian
+        let masses_per_step: Vec<f64> = laplacian
             .masses
             .iter()
             .zip(lengths)
             .map(|(&mass, length)| if mean > 0.0 { STEPS as f64 * mass.max(LEAST_MASS * mean) / (length * length) } else { 1.0 })
             .collect();
-        let mut diagonal = hold.clone();
+        let mut diagonal = masses_per_step.clone();
         let mut entries = Vec::with_capacity(size + laplacian.edges.len());
         for &(a, b, weight) in &laplacian.edges {
             diagonal[a as usize] += weight;
@@ -54,7 +54,7 @@ impl Diffusion {
         let matrix = SparseColMat::<u32, f64>::try_new_from_triplets(size, size, &entries).ok()?;
         let order = SymbolicLlt::try_new(matrix.symbolic(), Side::Lower).ok()?;
         let factor = Llt::try_new_with_symbolic(order, matrix.as_ref(), Side::Lower).ok()?;
-        Some(Self { factor, hold, laplacian, count })
+        Some(Self { factor, masses_per_step, laplacian, count })
     }
 
     /// Diffuses columns of weights in place. `step` is called with the part that is done.
@@ -70,7 +70,7 @@ impl Diffusion {
     }
 
     fn solve(&self, columns: &mut [f32]) {
-        let size = self.hold.len();
+        let size = self.masses_per_step.len();
         // Most bones are nowhere near most parts: columns of zeros stay zeros.
         let mut filled: Vec<&mut [f32]> = columns.chunks_mut(self.count).filter(|column| column.iter().any(|w| *w != 0.0)).collect();
         let mut values = Vec::with_capacity(size * filled.len());
@@ -85,7 +85,7 @@ impl Diffusion {
         }
         for _ in 0..STEPS {
             for column in values.chunks_mut(size) {
-                column.iter_mut().zip(&self.hold).for_each(|(value, hold)| *value *= hold);
+                column.iter_mut().zip(&self.masses_per_step).for_each(|(value, mass)| *value *= mass);
             }
             let right = MatMut::from_column_major_slice_mut(&mut values, size, filled.len());
             self.factor.solve_in_place_with_conj(Conj::No, right);
