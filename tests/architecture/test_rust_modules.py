@@ -15,6 +15,7 @@ ROOMS = (
     "surface",
     "cores",
     "skinning",
+    "flesh",
     "volume_losses",
     "fields",
     "folds",

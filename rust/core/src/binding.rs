@@ -9,11 +9,12 @@ use crate::cores::rest::RestSurface;
 use crate::error::{Error, Result};
 use crate::fields::joint::Joint;
 use crate::fields::supports::Supports;
+use crate::flesh::{Anatomy as FleshAnatomy, Parts};
 use crate::folds::Skin;
 use crate::numeric::csr::Csr;
 use crate::numeric::lanes::{self, V4};
 use crate::skinning::bases::bases;
-use crate::skinning::blend::{Influences, Skinning};
+use crate::skinning::blend::{Influences, Mode, Skinning};
 use crate::skinning::cut_chains::{Hanging, Weighted};
 use crate::skinning::hung_joints::hung_joints;
 use crate::skinning::joint_tree::JointTree;
@@ -62,6 +63,8 @@ pub(crate) struct Binding {
     faces: Arc<Csr<u32>>,
     /// Made when a frame first brings offsets that move anything.
     core: OnceLock<Core>,
+    /// Made when a joint first follows the law of flesh.
+    anatomy: OnceLock<FleshAnatomy>,
     /// Made when folds are repaired for the first time.
     skin: OnceLock<Skin>,
     /// Made when a frame first brings offsets or a body of its own.
@@ -129,6 +132,7 @@ impl Binding {
             given_faces: Arc::clone(&topology.given_faces),
             faces: Arc::clone(&topology.faces),
             core: OnceLock::new(),
+            anatomy: OnceLock::new(),
             skin: OnceLock::new(),
             vertices_of_slot: OnceLock::new(),
             patches,
@@ -175,7 +179,6 @@ impl Binding {
     /// What lies under the bound skin.
     pub fn core(&self) -> &Core {
         self.core.get_or_init(|| {
-            let areas = self.inverse_areas.iter().map(|&inverse| if inverse > 0.0 { self.area_unit / f64::from(inverse) } else { 0.0 });
             let mut faces = Csr::default();
             let mut is_used = vec![false; self.patches.slot_count()];
             for face in self.faces.rows() {
@@ -187,12 +190,33 @@ impl Binding {
             let pairs: Vec<(u32, u32)> = used.map(|slot| (self.patches.component_of_slot(slot), slot as u32)).collect();
             let rest = RestSurface {
                 places: (0..self.patches.slot_count()).map(|slot| self.rest_in_armature(slot)).collect(),
-                areas: areas.collect(),
+                areas: self.slot_areas(),
                 faces,
                 slots_of_component: Csr::from_pairs(self.components.len(), &pairs),
             };
             Core::new(rest, &self.patches)
         })
+    }
+
+    /// The body as the law of flesh sees it.
+    pub fn anatomy(&self) -> &FleshAnatomy {
+        self.anatomy.get_or_init(|| {
+            let places: Vec<DVec3> = (0..self.patches.slot_count()).map(|slot| self.rest_in_armature(slot)).collect();
+            FleshAnatomy::new(&Parts {
+                patches: &self.patches,
+                sites: &self.sites,
+                tree: &self.motions.tree,
+                rest: self.motions.rest(),
+                places: &places,
+                areas: &self.slot_areas(),
+                is_linear: self.motions.palette.mode == Mode::Linear,
+            })
+        })
+    }
+
+    /// Area at rest of the point in each slot, armature space; 0 where the surface has none.
+    fn slot_areas(&self) -> Vec<f64> {
+        self.inverse_areas.iter().map(|&inverse| if inverse > 0.0 { self.area_unit / f64::from(inverse) } else { 0.0 }).collect()
     }
 
     /// Where the point in a slot rests, armature space as it stood at bind.
@@ -249,6 +273,7 @@ impl Binding {
             + self.shape_deltas.iter().map(|d| size_of_val(&**d)).sum::<usize>()
             + self.plan.memory_bytes()
             + size_of_val(&*self.inverse_areas)
+            + self.anatomy.get().map_or(0, FleshAnatomy::memory_bytes)
             + self.skin.get().map_or(0, Skin::memory_bytes)
             + self.core.get().map_or(0, Core::memory_bytes)
             + self.vertices_of_slot.get().map_or(0, Csr::memory_bytes)

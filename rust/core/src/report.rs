@@ -5,6 +5,8 @@
 pub struct Report {
     /// Per component, as skinned; 0 where not sound.
     pub skinned_volumes: Vec<f64>,
+    /// Per component, with what the law of flesh adds; as skinned without it.
+    pub flesh_volumes: Vec<f64>,
     /// Per component.
     pub target_volumes: Vec<f64>,
     /// Per component, as solved: its cubic at the step that was taken, in double precision. `Mesh::component_volumes` of
@@ -12,7 +14,7 @@ pub struct Report {
     pub corrected_volumes: Vec<f64>,
     /// Per component, whether the mask lets nothing of it move: it stays as skinned.
     pub component_is_pinned: Vec<bool>,
-    /// Per joint, volume its turn took, over all components.
+    /// Per joint, volume its turn took, over all components: they sum to what `flesh_volumes` lack of the targets.
     pub joint_losses: Vec<f64>,
     /// Per joint, volume given back by its field, to first order.
     pub joint_regained: Vec<f64>,
@@ -52,6 +54,7 @@ impl Report {
     pub(crate) fn new(component_count: usize, joint_count: usize) -> Self {
         Self {
             skinned_volumes: vec![0.0; component_count],
+            flesh_volumes: vec![0.0; component_count],
             target_volumes: vec![0.0; component_count],
             corrected_volumes: vec![0.0; component_count],
             component_is_pinned: vec![false; component_count],

@@ -224,7 +224,7 @@ impl VolumeSkin {
         vertices
             .map(|(vertex, (&slot, &component))| {
                 let skinned = frame.skinned_vertex(vertex);
-                (frame.in_object(skinned), frame.in_object(skinned + frame.displacement(slot, component)))
+                (frame.in_object(skinned), frame.in_object(skinned + frame.flesh_offset(slot) + frame.displacement(slot, component)))
             })
             .unzip()
     }

@@ -2,7 +2,7 @@
 
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use turgor::{Profile, Profiles, Shares};
+use turgor::{Flesh, Profile, Profiles, Shares};
 
 use crate::{TurgorError, arrays, refused};
 
@@ -34,7 +34,8 @@ pub fn bone_index(bone: i64) -> PyResult<usize> {
 #[pymethods]
 impl Joint {
     #[new]
-    #[pyo3(signature = (bone, shares=None, profiles=None, *, folded_profiles=None, folded_loss_relative=0.1, strength=1.0, size=1.0))]
+    #[pyo3(signature = (bone, shares=None, profiles=None, *, folded_profiles=None, folded_loss_relative=0.1, strength=1.0, size=1.0, flesh=0.0, outside=None, spread_twist=1.0, crease=1.0))]
+    #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn new(
         bone: i64,
         shares: Option<&Bound<'_, PyAny>>,
@@ -43,6 +44,10 @@ impl Joint {
         folded_loss_relative: f64,
         strength: f64,
         size: f64,
+        flesh: f64,
+        outside: Option<f64>,
+        spread_twist: f64,
+        crease: f64,
     ) -> PyResult<Self> {
         let bone = bone_index(bone)?;
         let curves = |what: &str, value: &Bound<'_, PyAny>| {
@@ -60,7 +65,8 @@ impl Joint {
             }
             None => None,
         };
-        let joint = turgor::Joint { bone, shares: read_shares(shares)?, profiles, strength, size };
+        let flesh = Flesh { amount: flesh, outside, spread_twist, crease };
+        let joint = turgor::Joint { bone, shares: read_shares(shares)?, profiles, strength, size, flesh };
         Ok(Self { inner: joint.checked().map_err(refused)? })
     }
 
@@ -77,6 +83,26 @@ impl Joint {
     #[getter]
     fn size(&self) -> f64 {
         self.inner.size
+    }
+
+    #[getter]
+    fn flesh(&self) -> f64 {
+        self.inner.flesh.amount
+    }
+
+    #[getter]
+    fn outside(&self) -> Option<f64> {
+        self.inner.flesh.outside
+    }
+
+    #[getter]
+    fn spread_twist(&self) -> f64 {
+        self.inner.flesh.spread_twist
+    }
+
+    #[getter]
+    fn crease(&self) -> f64 {
+        self.inner.flesh.crease
     }
 
     #[getter]

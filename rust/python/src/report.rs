@@ -52,6 +52,11 @@ impl Report {
     }
 
     #[getter]
+    fn flesh_volumes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::from_numbers(py, &self.inner.flesh_volumes)
+    }
+
+    #[getter]
     fn target_volumes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         arrays::from_numbers(py, &self.inner.target_volumes)
     }
@@ -145,6 +150,11 @@ impl Measures {
     #[getter]
     fn skinned_volumes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         self.per_component(py, |report| &report.skinned_volumes)
+    }
+
+    #[getter]
+    fn flesh_volumes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        self.per_component(py, |report| &report.flesh_volumes)
     }
 
     #[getter]

@@ -158,6 +158,17 @@ class Joint:
     folded_profiles: three curves that the profiles turn into as the loss approaches `folded_loss_relative` of the
         volume of the joint's vicinity, a tenth of its length cubed (Belly); None: no change with loss.
     strength: part of the loss given back, 0 to 1e9. size: factor on the joint's automatic length, 1e-6 to 1e6.
+    flesh: how far skin follows the law of flesh before volume is looked at (MATH 10), 0: none, the same bits as
+        without it; 1: all. Offsets hold what it adds, `Frame.skinned` does not. It acts where the joint has another
+        above it, and fades out over the last 30 degrees before a bend or twist of 180, where a bone is flattened or
+        mirrored, and where a joint of a cut chain goes with another bone than it hangs on. Segments, and bones that are
+        `fleshed` in a frame, are left alone; a mask holds the law back as it does corrections.
+    outside: 1: soft flesh on the outside of a bend; 0: bone under the skin; None: by how near the joint lies to it.
+    spread_twist: 1: twists are spread straight along the bone as far as the next joint; 0: they lie where weights
+        blend. A bone that leads to no other joint, or is no longer than thick, always does the latter.
+    crease: 1: the inside of a bend closes on the plane that halves it; 0: it is left as it comes. Only where the bone above runs on
+        into this one.
+    All four are 0 to 1.
     """
 
     def __new__(
@@ -170,6 +181,10 @@ class Joint:
         folded_loss_relative: float = 0.1,
         strength: float = 1.0,
         size: float = 1.0,
+        flesh: float = 0.0,
+        outside: float | None = None,
+        spread_twist: float = 1.0,
+        crease: float = 1.0,
     ) -> Joint: ...
     @property
     def bone(self) -> int: ...
@@ -177,6 +192,14 @@ class Joint:
     def strength(self) -> float: ...
     @property
     def size(self) -> float: ...
+    @property
+    def flesh(self) -> float: ...
+    @property
+    def outside(self) -> float | None: ...
+    @property
+    def spread_twist(self) -> float: ...
+    @property
+    def crease(self) -> float: ...
     @property
     def shares(self) -> Shares: ...
 
@@ -450,6 +473,9 @@ class Report:
     def skinned_volumes(self) -> NDArray[np.float64]:
         """(K,) per component, 0 where not sound."""
     @property
+    def flesh_volumes(self) -> NDArray[np.float64]:
+        """(K,) with what the law of flesh adds; as skinned without it."""
+    @property
     def target_volumes(self) -> NDArray[np.float64]:
         """(K,)"""
     @property
@@ -460,7 +486,7 @@ class Report:
         """
     @property
     def joint_losses(self) -> NDArray[np.float64]:
-        """(J,) volume each joint's rotation took, all components, positive = lost."""
+        """(J,) volume each joint's rotation took, all components, positive = lost: what `flesh_volumes` lack of the targets."""
     @property
     def joint_regained(self) -> NDArray[np.float64]:
         """(J,) volume given back by each joint's own field, to first order."""
@@ -498,6 +524,9 @@ class Measures:
 
     @property
     def skinned_volumes(self) -> NDArray[np.float64]:
+        """(F, K)"""
+    @property
+    def flesh_volumes(self) -> NDArray[np.float64]:
         """(F, K)"""
     @property
     def target_volumes(self) -> NDArray[np.float64]:

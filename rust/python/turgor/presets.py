@@ -1,4 +1,4 @@
-"""The five ready-made corrections of a joint [RHC09, section 5; MATH 4]."""
+"""The six ready-made corrections of a joint [RHC09, section 5; MATH 4]."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ._native import Joint
 
-PresetName = Literal["isotropic", "rubber", "muscle", "folds", "belly"]
+PresetName = Literal["isotropic", "rubber", "muscle", "folds", "belly", "flesh"]
 Shares = tuple[float, float, float] | tuple[float, float, float, float] | Literal["auto"]
 Profile = NDArray[np.float64]
 
@@ -20,6 +20,9 @@ BELL_WIDTH = 0.25
 MUSCLE_CENTRE = 0.35
 FOLD_FREQUENCY = 3.0
 BELLY_WIDTHS = (0.35, 0.3, 0.3)
+# A joint is about four times as long as its limb is thick: three radii along it, four fifths across, half a radius inside.
+FLESH_WIDTHS = (0.75, 0.2)
+FLESH_CENTRE = 0.125
 
 _X: Profile = np.linspace(-1.0, 1.0, SAMPLE_COUNT, dtype=np.float64)
 
@@ -48,6 +51,7 @@ DEFAULT_SHARES: dict[PresetName, tuple[float, float, float] | Literal["auto"]] =
     "muscle": (0.1, 0.1, 0.8),
     "folds": (0.0, 0.5, 0.5),
     "belly": (0.1, 0.1, 0.8),
+    "flesh": (0.0, 0.4, 0.6),
 }
 
 
@@ -64,6 +68,9 @@ def profiles(preset: PresetName) -> tuple[Profile, Profile, Profile]:
     if preset == "belly":
         x, y, z = (bell(width) for width in BELLY_WIDTHS)
         return x, y, z * _inside()
+    if preset == "flesh":
+        along, inwards = FLESH_WIDTHS
+        return bell(along), 1.0 - _X**8, bell(inwards, FLESH_CENTRE)
     raise ValueError(f"preset: found {preset!r}, need one of {', '.join(DEFAULT_SHARES)}")
 
 
@@ -80,8 +87,12 @@ def joint(
     shares: Shares | None = None,
     strength: float = 1.0,
     size: float = 1.0,
+    flesh: float = 0.0,
+    outside: float | None = None,
+    spread_twist: float = 1.0,
+    crease: float = 1.0,
 ) -> Joint:
-    """The joint of a preset by name; shares None: those of the preset."""
+    """The joint of a preset by name; shares None: those of the preset; the rest as `Joint` takes it."""
     curves = None if preset == "isotropic" else profiles(preset)
     return Joint(
         bone,
@@ -90,6 +101,10 @@ def joint(
         folded_profiles=folded_profiles(preset),
         strength=strength,
         size=size,
+        flesh=flesh,
+        outside=outside,
+        spread_twist=spread_twist,
+        crease=crease,
     )
 
 
@@ -116,3 +131,8 @@ def folds(bone: int, *, strength: float = 1.0, size: float = 1.0) -> Joint:
 def belly(bone: int, *, strength: float = 1.0, size: float = 1.0) -> Joint:
     """One bulge at the inside of the bend while little is lost, folds as more is."""
     return joint("belly", bone, strength=strength, size=size)
+
+
+def flesh(bone: int, *, strength: float = 1.0, size: float = 1.0) -> Joint:
+    """Across the limb, wide along it, to the inside of the bend: what flesh does."""
+    return joint("flesh", bone, strength=strength, size=size)

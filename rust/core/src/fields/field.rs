@@ -75,6 +75,16 @@ impl FieldFrame {
         frame
     }
 
+    /// The same some part of the way to another origin, and with e0 turned to another direction about e1.
+    pub fn turn_to(&mut self, origin: DVec3, along: DVec3, part: f64) {
+        self.origin += (origin - self.origin) * part;
+        let [e0, e1, _] = self.axes;
+        let across = along.reject_from(e1.normalize_or(along.any_orthonormal_vector()));
+        if let (true, Some(turned)) = (self.frame_part > 0.0, (e0 + (across.normalize_or(e0) - e0) * part).try_normalize()) {
+            self.axes = [turned, e1, e1.cross(turned)];
+        }
+    }
+
     /// The frame of another field of the same joint, after one that moved points by up to `displacement`.
     pub fn after(&self, displacement: f64) -> Self {
         Self { displacement_max: (self.displacement_max - displacement).max(0.0), ..*self }

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, LARGEST, Result};
 use crate::fields::profile::Profile;
+use crate::flesh::settings::Flesh;
 
 /// Sizes, and losses that reach folded profiles: far beyond all use, and numbers in single precision still.
 const SIZES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
@@ -86,12 +87,14 @@ pub struct Joint {
     pub strength: f64,
     /// Factor on the automatic length.
     pub size: f64,
+    /// The law of flesh.
+    pub flesh: Flesh,
 }
 
 impl Joint {
     /// The isotropic preset, all given back.
     pub fn isotropic(bone: usize) -> Self {
-        Self { bone, shares: Shares::AUTOMATIC, profiles: None, strength: 1.0, size: 1.0 }
+        Self { bone, shares: Shares::AUTOMATIC, profiles: None, strength: 1.0, size: 1.0, flesh: Flesh::NONE }
     }
 
     /// Checks what can be checked without a mesh; shares are normalised to sum 1.
@@ -104,6 +107,7 @@ impl Joint {
             return Err(Error::Value { what: "size", found: self.size, needed: "a number from 1e-6 to 1e6" });
         }
         self.shares = self.shares.checked()?;
+        self.flesh = self.flesh.checked()?;
         if let Some(Profiles { folded: Some((_, loss)), .. }) = &self.profiles
             && !LOSSES.contains(loss)
         {

@@ -41,6 +41,8 @@ pub(super) struct Skinned {
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct SkinnedPatch {
     pub volume: f64,
+    /// Without the law of flesh.
+    pub bare: f64,
     pub gap_squared: f64,
 }
 
@@ -92,6 +94,8 @@ pub(super) struct JobTarget {
 pub(super) struct ComponentTarget {
     pub rest: f64,
     pub skinned: f64,
+    /// As skinned, without the law of flesh.
+    pub bare: f64,
     pub target: f64,
     /// Σ |volume to give back| over joints, and the floor under it.
     pub spread: f64,

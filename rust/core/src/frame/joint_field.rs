@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::buffers::Posed;
-use super::{Bound, Problem, Workspace};
+use super::{Bound, Problem, Workspace, flesh};
 use crate::fields::field::{FieldFrame, axes_of_bend, axes_of_no_bend};
 use crate::fields::profile_weights;
 use crate::fields::supports::Support;
@@ -35,11 +35,13 @@ impl Workspace {
 impl Problem<'_> {
     fn joint_field(self, posed: &Posed, joint: usize) -> JointField {
         let Bound { binding, supports, settings } = self.bound;
-        let frame = FieldFrame::new(&posed.motions, joint, &settings[joint], supports.lengths[joint], 0.0);
-        let (axes, axes_share) = match axes_of_bend(&posed.motions, joint) {
+        let mut frame = FieldFrame::new(&posed.motions, joint, &settings[joint], supports.lengths[joint], 0.0);
+        (frame.axes, frame.frame_part) = match axes_of_bend(&posed.motions, joint) {
             (_, 0.0) => (axes_of_no_bend(&posed.motions, joint), 0.0),
             bent => bent,
         };
+        flesh::halve(self.flesh, binding, posed, joint, &mut frame);
+        let (axes, axes_share) = (frame.axes, frame.frame_part);
         let growth = posed.object.matrix3.determinant().abs().cbrt();
         let of_slot = self.gamma_of_slots(joint);
         JointField {

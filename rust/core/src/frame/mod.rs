@@ -4,6 +4,7 @@
 mod added;
 mod body;
 mod buffers;
+mod flesh;
 mod joint_field;
 mod linear_step;
 mod local;
@@ -38,6 +39,7 @@ use crate::binding::Binding;
 use crate::error::Result;
 use crate::fields::joint::Joint;
 use crate::fields::supports::Supports;
+use crate::flesh::shape::Shape;
 use crate::numeric::lanes::V4;
 use crate::report::Report;
 
@@ -90,6 +92,7 @@ impl<'a> Pose<'a> {
 #[derive(Debug, Clone)]
 pub struct Workspace {
     posed: Posed,
+    flesh: Shape,
     skinned: Skinned,
     staged: Staged,
     losses: Losses,
@@ -113,6 +116,7 @@ pub(crate) struct Bound<'a> {
 struct Problem<'a> {
     bound: Bound<'a>,
     mask: Option<&'a Mask>,
+    flesh: &'a Shape,
     skinned: &'a Skinned,
     targets: &'a Targets,
 }
@@ -121,6 +125,7 @@ impl Workspace {
     pub(crate) fn new(bound: Bound) -> Self {
         Self {
             posed: Posed::new(bound),
+            flesh: Shape::default(),
             skinned: Skinned::new(bound),
             staged: Staged::new(bound),
             losses: Losses::new(bound),
@@ -134,6 +139,7 @@ impl Workspace {
     /// Heap memory that grows with the mesh.
     pub fn memory_bytes(&self) -> usize {
         self.posed.memory_bytes()
+            + self.flesh.memory_bytes()
             + self.skinned.memory_bytes()
             + self.staged.memory_bytes()
             + self.targets.memory_bytes()
@@ -142,21 +148,24 @@ impl Workspace {
 
     /// Poses, skins and measures: all that is known before anything is corrected.
     pub(crate) fn skin(&mut self, bound: Bound, pose: &Pose, keep_bone_scale: bool) -> Result<()> {
-        let Self { posed, skinned, staged, losses, targets, solution, .. } = self;
+        let Self { posed, flesh, skinned, staged, losses, targets, solution, mask, .. } = self;
         let binding = bound.binding;
         let posed = posed.set(binding, pose, keep_bone_scale)?;
+        let flesh = flesh::shape(flesh, mask, bound, pose, posed);
         // First: it is little, and helpers are on their way.
-        losses.measure_forms(binding, posed);
-        let (skinned, staged) = skinned.skin(binding, posed, staged.start(binding, posed), &mut solution.gradient);
-        let losses = losses.gather(binding, posed, staged);
-        targets.measure(bound, pose, (posed, skinned, staged, losses));
+        losses.measure_forms(binding, posed, flesh);
+        let (skinned, staged) = skinned.skin(binding, posed, flesh, staged.start(binding, posed), &mut solution.gradient);
+        losses.gather(binding, posed, flesh, staged);
+        targets.weigh(binding, posed, flesh, skinned, staged);
+        let losses = losses.share_flesh(binding, flesh, &targets.components);
+        targets.measure(bound, pose, (posed, flesh, skinned, losses));
         Ok(())
     }
 
     /// Corrects what was skinned.
     pub(crate) fn correct(&mut self, bound: Bound, is_sequential: bool, repair_folds: bool) {
-        let Self { posed, skinned, losses, targets, solution, mask, report, .. } = self;
-        let problem = Problem { bound, mask: mask.as_deref(), skinned, targets };
+        let Self { posed, flesh, skinned, losses, targets, solution, mask, report, .. } = self;
+        let problem = Problem { bound, mask: mask.as_deref(), flesh, skinned, targets };
         solution.correct_simultaneously(problem);
         if is_sequential {
             solution.correct_sequentially(problem);
@@ -168,11 +177,11 @@ impl Workspace {
 
     /// The frame, as far as it was computed.
     pub(crate) fn solved<'a>(&'a self, binding: &'a Binding) -> Solved<'a> {
-        Solved { binding, posed: &self.posed, skinned: &self.skinned, correction: &self.solution.correction }
+        Solved { binding, posed: &self.posed, flesh: &self.flesh, skinned: &self.skinned, correction: &self.solution.correction }
     }
 
     fn problem<'a>(&'a self, bound: Bound<'a>) -> Problem<'a> {
-        Problem { bound, mask: self.mask.as_deref(), skinned: &self.skinned, targets: &self.targets }
+        Problem { bound, mask: self.mask.as_deref(), flesh: &self.flesh, skinned: &self.skinned, targets: &self.targets }
     }
 }
 

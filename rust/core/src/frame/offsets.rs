@@ -22,6 +22,7 @@ impl Solved<'_> {
         let binding = self.binding;
         let to_object = self.posed.object.matrix3.as_mat3().to_cols_array_2d();
         let (moves, components) = (&self.correction.moves, &self.correction.components);
+        let flesh = if self.flesh.is_active() { self.flesh.offsets() } else { &[] };
         let level = Level::new();
         // Most characters are one shell: nothing to look up then.
         let only_step = if let [state] = &**components { Some(state.step as f32) } else { None };
@@ -33,8 +34,10 @@ impl Solved<'_> {
             let vertices = row * CHUNK..row * CHUNK + offsets.values.len();
             let (slots, of_vertex) = (&binding.slot_of_vertex[vertices.clone()], &binding.component_of_vertex[vertices]);
             let largest = match only_step {
-                Some(step) => dispatch!(level, simd => write_some(simd, moves, slots, of_vertex, |_| step, &to_object, offsets.values)),
-                None => dispatch!(level, simd => write_some(simd, moves, slots, of_vertex, step, &to_object, offsets.values)),
+                Some(step) => {
+                    dispatch!(level, simd => write_some(simd, (moves, flesh), slots, of_vertex, |_| step, &to_object, offsets.values))
+                }
+                None => dispatch!(level, simd => write_some(simd, (moves, flesh), slots, of_vertex, step, &to_object, offsets.values)),
             };
             largest_squared.fetch_max(largest.to_bits(), Ordering::Relaxed);
         });
@@ -61,7 +64,7 @@ fn write_all<S: Simd>(simd: S, frame: &Solved, to_object: &[[f32; 3]; 3], part: 
     let mut vertices = binding.vertices_by_slot.iter().map(|&vertex| vertex as usize).peekable();
     let slot_of = |vertex: usize| binding.slot_of_vertex[vertex] as usize;
     // Every point has its own place, as `skinned_vertex` finds it, and all of eight slots are of one component.
-    let is_plain = !binding.sites.is_split() && !posed.body.is_split() && posed.added.is_empty();
+    let is_plain = !binding.sites.is_split() && !posed.body.is_split() && posed.added.is_empty() && !frame.flesh.is_active();
     while let Some(&first) = vertices.peek().filter(|&&vertex| is_plain && slot_of(vertex) < correction.moves.len()) {
         let number = slot_of(first) / LANES;
         let eight = eight_positions(simd, frame, number, binding.component_of_vertex[first], to_object, part);
@@ -72,7 +75,8 @@ fn write_all<S: Simd>(simd: S, frame: &Solved, to_object: &[[f32; 3]; 3], part: 
     for vertex in vertices {
         let p = frame.skinned_vertex(vertex);
         let step = step_of(&correction.components, binding.component_of_vertex[vertex]);
-        let offset = offsets_in_object([own_offset(simd, correction.moves.get(slot_of(vertex)), step); 4], to_object);
+        let flesh = if frame.flesh.is_active() { frame.flesh.offsets().get(slot_of(vertex)) } else { None };
+        let offset = offsets_in_object([own_offset(simd, correction.moves.get(slot_of(vertex)), flesh, step); 4], to_object);
         for (axis, value) in positions[vertex].iter_mut().enumerate() {
             let skinned = a[axis] * p.x + b[axis] * p.y + c[axis] * p.z + d[axis];
             *value = (skinned + part * f64::from(offset[axis][0])) as f32;
@@ -92,7 +96,7 @@ fn eight_positions<S: Simd>(
 ) -> [[f32; 4]; LANES] {
     let step = step_of(&frame.correction.components, component);
     let moves = &frame.correction.moves.as_chunks::<LANES>().0[number];
-    let at = |place: usize| own_offset(simd, Some(&moves[place]), step);
+    let at = |place: usize| own_offset(simd, Some(&moves[place]), None, step);
     let first = offsets_in_object([at(0), at(1), at(2), at(3)], to_object);
     let second = offsets_in_object([at(4), at(5), at(6), at(7)], to_object);
     let [early, late] = frame.skinned.places.eight(simd, number);
@@ -121,14 +125,14 @@ fn points_in_object<S: Simd>(simd: S, frame: &Solved, points: Four<S>) -> Four<S
 #[inline(always)]
 fn write_some<S: Simd>(
     simd: S,
-    moves: &[Move],
+    (moves, flesh): (&[Move], &[[f32; 4]]),
     slots: &[u32],
     of_vertex: &[u32],
     step: impl Fn(u32) -> f32,
     to_object: &[[f32; 3]; 3],
     offsets: &mut [[f32; 3]],
 ) -> f32 {
-    let at = |slot: u32, component: u32| own_offset(simd, moves.get(slot as usize), step(component));
+    let at = |slot: u32, component: u32| own_offset(simd, moves.get(slot as usize), flesh.get(slot as usize), step(component));
     let mut largest = f32x4::splat(simd, 0.0);
     let ((rows, last_rows), (slots, last_slots)) = (offsets.as_chunks_mut::<4>(), slots.as_chunks::<4>());
     let (components, last_components) = of_vertex.as_chunks::<4>();
@@ -159,12 +163,16 @@ fn step_of(components: &[ComponentOutcome], component: u32) -> f32 {
     if let Some(state) = components.get(component as usize) { state.step as f32 } else { f32::NAN }
 }
 
-/// Corrected − skinned of a point, armature space; no point, and a step that is not a number, stay.
+/// Corrected − skinned of a point, with what the law of flesh adds, armature space; no point, and a step that is not a number, stay.
 #[inline(always)]
-fn own_offset<S: Simd>(simd: S, point: Option<&Move>, step: f32) -> f32x4<S> {
-    match point {
+fn own_offset<S: Simd>(simd: S, point: Option<&Move>, flesh: Option<&[f32; 4]>, step: f32) -> f32x4<S> {
+    let own = match point {
         Some(Move { by, residual }) if !step.is_nan() => f32x4::simd_from(simd, *by) + f32x4::simd_from(simd, *residual) * step,
         _ => f32x4::splat(simd, 0.0),
+    };
+    match flesh {
+        Some(by) => own + f32x4::simd_from(simd, *by),
+        None => own,
     }
 }
 

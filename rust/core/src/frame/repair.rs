@@ -30,7 +30,8 @@ impl Solution {
         }
         let binding = problem.bound.binding;
         let skin = binding.skin();
-        let skinned = Solved { binding, posed, skinned: problem.skinned, correction: &self.correction }.skinned_points();
+        let skinned =
+            Solved { binding, posed, flesh: problem.flesh, skinned: problem.skinned, correction: &self.correction }.skinned_points();
         let moves = self.correction.moves_of_points(binding);
         let mut search = Search::new(skin, &skinned);
         let found = search.move_to(places(&skinned, &moves)).len();

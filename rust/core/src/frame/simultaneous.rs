@@ -43,7 +43,7 @@ impl Correction {
 impl Fields {
     /// Reads the gradient and sums what each field could do with it. Sums the gradient itself where patches share points.
     pub(super) fn sum_capacities(&mut self, problem: Problem, swept: &mut Gradient, pass: Pass) {
-        let Problem { bound: Bound { binding, supports, settings }, mask, skinned, targets } = problem;
+        let Problem { bound: Bound { binding, supports, settings }, mask, skinned, targets, .. } = problem;
         let (patches, jobs, sources) = (&binding.patches, &targets.jobs, &swept.sources);
         let (places, has_profiles) = (skinned.places.near.each_ref().map(|c| &**c), !self.profiled.is_empty());
         let profile_offsets = if has_profiles { &supports.block_offsets } else { &patches.no_rows };
@@ -155,7 +155,7 @@ impl Fields {
         pass: Pass,
         keep: impl Fn(&mut Move, Move) + Sync,
     ) {
-        let Problem { bound: Bound { binding, supports, settings }, mask, skinned, targets } = problem;
+        let Problem { bound: Bound { binding, supports, settings }, mask, skinned, targets, .. } = problem;
         let (patches, Correction { moves, components: outcomes, .. }) = (&binding.patches, correction);
         let local = Some(&targets.local).filter(|local| local.is_used && matches!(pass, Pass::All | Pass::Shell));
         let (gradient, places) = (swept.rows.each_ref().map(|c| &**c), skinned.places.near.each_ref().map(|c| &**c));

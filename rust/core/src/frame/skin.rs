@@ -8,7 +8,9 @@ use super::body::Body;
 use super::buffers::{Gradient, Posed, Skinned, SkinnedPatch, Staged};
 use super::places::ragged;
 use super::scratch::{Scratch, with_scratch};
+use super::widened;
 use crate::binding::Binding;
+use crate::flesh::shape::Shape;
 use crate::numeric::block_rows::{LANES, PATCH_POINTS};
 use crate::numeric::lanes::{self, Four, V4};
 use crate::parallel::split::{Ragged, for_each_piece};
@@ -24,6 +26,7 @@ impl Skinned {
         &'a mut self,
         binding: &Binding,
         posed: &Posed,
+        flesh: &Shape,
         staged: &'a mut Staged,
         swept: &mut Gradient,
     ) -> (&'a Self, &'a Staged) {
@@ -32,6 +35,7 @@ impl Skinned {
         let count = patches.list.len();
         let stages = if posed.is_staged(binding) { Some(&binding.plan.stages) } else { None };
         let (motions, added, rest_body) = (&posed.motions, &posed.added, &posed.body);
+        let of_losses = flesh.of_losses(motions);
         self.offsets.resize(if added.is_empty() { 0 } else { patches.slot_count() }, [0.0; 3]);
         let offset_rows = if added.is_empty() { &patches.no_rows } else { &patches.slot_offsets };
         let rest = rest_body.rest(binding);
@@ -51,7 +55,7 @@ impl Skinned {
                 (Ragged::new(changes, change_offsets), Ragged::new(moments, moment_offsets)),
             ),
             &|index, ((near, rest_of_it), gradient, (sources, offsets), sums, (changes, moment))| {
-                let from = Skinner { binding, motions, rest_body, added, index };
+                let from = Skinner { binding, motions, of_losses, rest_body, added, flesh, index };
                 let into = SkinnedInto {
                     near: near.map(|row| row.values),
                     rest: rest_of_it.map(|row| row.values),
@@ -80,13 +84,20 @@ impl Skinned {
                 *moment = giant_moment(&positions[..corners]);
             }
             let (changes, rest_of_them) = giant_changes.split_at_mut(stages.joint_count(count + index));
-            let portion =
-                Portion { index: count + index, slots: &giant.corners, sites: &binding.sites, shaped_rest, motions, moment: *moment };
+            let portion = Portion {
+                index: count + index,
+                slots: &giant.corners,
+                sites: &binding.sites,
+                shaped_rest,
+                motions: of_losses,
+                moment: *moment,
+            };
             let rows = Rows::new(&mut staged.giant_room, padded);
             let volume = |p: &&mut [V4]| giant_volume(&p[..corners]);
             let last = dispatch!(level, simd => stages.measure(simd, portion, rows, &mut positions, volume, changes));
             if let Some(last) = last {
-                changes[last].loss -= if added.is_empty() { self.giant_volumes[index] } else { volume(&positions) };
+                let ends_skinned = added.is_empty() && !flesh.is_active();
+                changes[last].loss -= if ends_skinned { self.giant_volumes[index] } else { volume(&positions) };
             }
             giant_changes = rest_of_them;
         }
@@ -102,8 +113,11 @@ impl Skinned {
 struct Skinner<'a> {
     binding: &'a Binding,
     motions: &'a Motions,
+    /// The same without turns that cost no volume.
+    of_losses: &'a Motions,
     rest_body: &'a Body,
     added: &'a Added,
+    flesh: &'a Shape,
     index: usize,
 }
 
@@ -123,15 +137,15 @@ struct SkinnedInto<'a> {
 /// Skins the points a patch sees; keeps those it owns, the gradient of all, and what its joints lose.
 #[inline(always)]
 fn skin_patch<S: Simd>(simd: S, from: Skinner, into: SkinnedInto, scratch: &mut Scratch) {
-    let Skinner { binding, motions, rest_body, added, index } = from;
+    let Skinner { binding, motions, of_losses, rest_body, added, flesh, index } = from;
     let (rest, has_shapes) = (rest_body.rest(binding), !rest_body.of_site.is_empty());
     let (patches, sites, palette, stages) = (&binding.patches, &binding.sites, &motions.palette, &binding.plan.stages);
     let patch = &patches.list[index];
     let slots = &patches.local[patch.local.clone()];
     let Scratch { first: p, second: by_point, rows, .. } = scratch;
     let mut portion = Portion { index, slots, sites, shaped_rest: has_shapes.then_some(rest), motions, moment: Moment::default() };
-    let is_skinned = stages.ends_skinned(portion);
-    let mut last = None;
+    let mut is_skinned = stages.ends_skinned(portion);
+    let (mut last, mut bare) = (None, None);
     if let Some(moment) = into.moment {
         if has_shapes {
             for (p, &slot) in p.iter_mut().zip(slots) {
@@ -141,6 +155,8 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: SkinnedInto, scratch: &mut 
             *moment = (volume, lanes::to(area));
         }
         portion.moment = *moment;
+        portion.motions = of_losses;
+        let is_apart = !std::ptr::eq(of_losses, motions);
         let rows = Rows::new(rows, PATCH_POINTS);
         last = stages.measure(
             simd,
@@ -151,6 +167,12 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: SkinnedInto, scratch: &mut 
             |p| sweeps::volume(simd, patches, patch, p),
             into.changes,
         );
+        if is_apart {
+            is_skinned = false;
+            if let Some(last) = last.take() {
+                into.changes[last].loss -= sweeps::volume(simd, patches, patch, p);
+            }
+        }
     } else if is_skinned {
         stages.skin(simd, portion, Rows::new(rows, PATCH_POINTS), p);
     }
@@ -159,11 +181,11 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: SkinnedInto, scratch: &mut 
             *p = sites.mean(slot as usize, |site| palette.skin(&sites.influences, site, rest[site]));
         }
     }
-    if !added.is_empty() {
+    if !added.is_empty() || flesh.is_active() {
         if let Some(last) = last.take() {
             into.changes[last].loss -= sweeps::volume(simd, patches, patch, p);
         }
-        for (local, (p, &slot)) in p.iter_mut().zip(slots).enumerate() {
+        for (local, (p, &slot)) in p.iter_mut().zip(slots).enumerate().filter(|_| !added.is_empty()) {
             let mut offset = added.of_slot(binding, slot as usize);
             let skinned = *p;
             if added.is_posed() {
@@ -176,13 +198,21 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: SkinnedInto, scratch: &mut 
                 into.offsets[local] = [offset[0], offset[1], offset[2]].map(|x| x as f32);
             }
         }
+        if flesh.is_active() {
+            if slots.iter().any(|&slot| flesh.offset(slot as usize) != [0.0; 4]) {
+                bare = Some(sweeps::volume(simd, patches, patch, p));
+            }
+            for (p, &slot) in p.iter_mut().zip(slots) {
+                *p = lanes::add(*p, widened(flesh.offset(slot as usize)));
+            }
+        }
     }
     by_point[..slots.len()].fill(lanes::ZERO);
     let volume = sweeps::volume_and_gradient(simd, patches, patch, p, by_point);
     if let Some(last) = last {
         into.changes[last].loss -= volume;
     }
-    *into.sums = SkinnedPatch { volume, gap_squared: 0.0 };
+    *into.sums = SkinnedPatch { volume, bare: bare.unwrap_or(volume), gap_squared: 0.0 };
     keep_gradient(simd, binding, patch, by_point, into.gradient, into.sources);
     keep_places(simd, patch, p, into.near, into.rest);
     if added.is_posed() || sites.is_split() || rest_body.is_split() {

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::buffers::{Correction, Losses, Posed, Skinned};
 use super::{Bound, Problem, widened};
 use crate::binding::Binding;
+use crate::flesh::shape::Shape;
 use crate::numeric::lanes::{self, add_scaled};
 use crate::report::Report;
 
@@ -13,6 +14,7 @@ use crate::report::Report;
 pub(crate) struct Solved<'a> {
     pub(super) binding: &'a Binding,
     pub(super) posed: &'a Posed,
+    pub(super) flesh: &'a Shape,
     pub(super) skinned: &'a Skinned,
     pub(super) correction: &'a Correction,
 }
@@ -23,7 +25,13 @@ impl Solved<'_> {
         self.posed.object.transform_point3(place)
     }
 
-    /// Skinned position of a vertex in armature space, with what is added to it.
+    /// What the law of flesh adds to a vertex, armature space.
+    pub(crate) fn flesh_offset(&self, slot: u32) -> DVec3 {
+        let has_slot = (slot as usize) < self.correction.moves.len();
+        if has_slot { lanes::to(widened(self.flesh.offset(slot as usize))) } else { DVec3::ZERO }
+    }
+
+    /// Skinned position of a vertex in armature space, with what is added to it but for the law of flesh.
     pub(crate) fn skinned_vertex(&self, vertex: usize) -> DVec3 {
         let Self { binding, posed, skinned, .. } = *self;
         if let Some(place) = posed.added.place_of_vertex(vertex) {
@@ -32,7 +40,7 @@ impl Solved<'_> {
         let slot = binding.slot_of_vertex[vertex] as usize;
         // A point whose vertices are skinned alike is where the frame has left it.
         if slot < self.correction.moves.len() && binding.sites.of_slot(slot).len() == 1 && !posed.body.is_split() {
-            let place = lanes::to(skinned.places.at(slot)) + posed.motions.palette.origin;
+            let place = lanes::to(skinned.places.at(slot)) - self.flesh_offset(slot as u32) + posed.motions.palette.origin;
             let is_moved = !posed.added.is_empty();
             return if is_moved { place + (posed.added.of_vertex(vertex) - lanes::to(posed.added.of_slot(binding, slot))) } else { place };
         }
@@ -42,7 +50,7 @@ impl Solved<'_> {
         place + posed.added.of_vertex(vertex) + posed.motions.palette.origin
     }
 
-    /// Corrected − skinned of a vertex in double precision, armature space.
+    /// Corrected − skinned of a vertex in double precision, armature space; the law of flesh is part of what is skinned.
     pub(crate) fn displacement(&self, slot: u32, component: u32) -> DVec3 {
         self.correction.displacement(slot, component)
     }
@@ -59,10 +67,11 @@ impl Correction {
 
     /// Figures of the frame, in object space.
     pub(super) fn fill_report(&self, problem: Problem, posed: &Posed, losses: &Losses, report: &mut Report) {
-        let Problem { bound: Bound { binding, .. }, mask, skinned, targets } = problem;
+        let Problem { bound: Bound { binding, .. }, mask, skinned, targets, .. } = problem;
         let object_from_armature = posed.object.matrix3.determinant();
         for (index, (target, state)) in targets.components.iter().zip(&self.components).enumerate() {
-            report.skinned_volumes[index] = target.skinned * object_from_armature;
+            report.skinned_volumes[index] = target.bare * object_from_armature;
+            report.flesh_volumes[index] = target.skinned * object_from_armature;
             report.target_volumes[index] = target.target * object_from_armature;
             report.corrected_volumes[index] = state.corrected * object_from_armature;
             report.component_is_pinned[index] = mask.is_some_and(|mask| mask.is_pinned[index]);

@@ -1,9 +1,10 @@
 //! What each joint has lost, and what each component is to have.
 
 use super::buffers::{ComponentTarget, JobTarget, Losses, Posed, Skinned, Staged, Targets};
-use super::{Bound, Pose};
+use super::{Bound, Pose, flesh};
 use crate::binding::Binding;
 use crate::fields::field::FieldFrame;
+use crate::flesh::shape::Shape;
 use crate::volume_losses::hung::hand_on;
 
 /// Losses below this part of a component's volume share a residual with the whole shell instead of taking all of it.
@@ -11,15 +12,15 @@ const LOSS_FLOOR: f64 = 1e-3;
 
 impl Losses {
     /// Those that no skinned point is needed for.
-    pub(super) fn measure_forms(&mut self, binding: &Binding, posed: &Posed) {
+    pub(super) fn measure_forms(&mut self, binding: &Binding, posed: &Posed, flesh: &Shape) {
         if let (false, Some(forms), Some(buffers)) = (posed.is_staged(binding), &binding.plan.forms, &mut self.forms) {
-            forms.measure(&posed.motions, buffers);
+            forms.measure(flesh.of_losses(&posed.motions), buffers);
         }
     }
 
     /// All of them.
-    pub(super) fn gather(&mut self, binding: &Binding, posed: &Posed, staged: &Staged) -> &Self {
-        let (motions, changes, is_staged) = (&posed.motions, &mut self.changes, posed.is_staged(binding));
+    pub(super) fn gather(&mut self, binding: &Binding, posed: &Posed, flesh: &Shape, staged: &Staged) {
+        let (motions, changes, is_staged) = (flesh.of_losses(&posed.motions), &mut self.changes, posed.is_staged(binding));
         binding.plan.carry(motions, &staged.job_moments, changes);
         match (is_staged, &binding.plan.forms, &self.forms) {
             (false, Some(forms), Some(buffers)) => forms.gather(buffers, changes),
@@ -27,14 +28,12 @@ impl Losses {
         }
         binding.plan.carry_shells(motions, is_staged, &staged.portion_moments, changes);
         hand_on(&binding.plan.jobs, motions, changes);
-        self
     }
 }
 
 impl Targets {
-    /// Targets, and the volume each job is to give back.
-    pub(super) fn measure(&mut self, bound: Bound, pose: &Pose, (posed, skinned, staged, losses): (&Posed, &Skinned, &Staged, &Losses)) {
-        let Bound { binding, supports, settings } = bound;
+    /// Volumes at rest and as skinned.
+    pub(super) fn weigh(&mut self, binding: &Binding, posed: &Posed, flesh: &Shape, skinned: &Skinned, staged: &Staged) {
         self.components.fill(ComponentTarget::default());
         // Moments are about the rest mesh in object space.
         let armature_from_object = posed.object.matrix3.determinant().recip();
@@ -43,11 +42,21 @@ impl Targets {
             self.components[component as usize].rest += moment.0 * armature_from_object;
         }
         for (patch, found) in binding.patches.list.iter().zip(&skinned.patches) {
-            self.components[patch.component as usize].skinned += found.volume;
+            let state = &mut self.components[patch.component as usize];
+            state.skinned += found.volume;
+            state.bare += found.bare;
         }
         for (giant, volume) in binding.patches.giants.iter().zip(&skinned.giant_volumes) {
-            self.components[giant.component as usize].skinned += volume;
+            let state = &mut self.components[giant.component as usize];
+            state.skinned += volume;
+            state.bare += volume;
         }
+        self.take_flesh_from_giants(binding, flesh, skinned);
+    }
+
+    /// What each component is to have, and the volume each job is to give back.
+    pub(super) fn measure(&mut self, bound: Bound, pose: &Pose, (posed, flesh, skinned, losses): (&Posed, &Shape, &Skinned, &Losses)) {
+        let Bound { binding, supports, settings } = bound;
         for state in &mut self.components {
             state.target = state.rest;
         }
@@ -82,7 +91,9 @@ impl Targets {
         for (index, job) in binding.plan.jobs.iter().enumerate() {
             let joint = job.joint as usize;
             let volume = self.jobs[index].volume;
-            self.jobs[index].frame = FieldFrame::new(&posed.motions, joint, &settings[joint], supports.lengths[joint], volume);
+            let mut frame = FieldFrame::new(&posed.motions, joint, &settings[joint], supports.lengths[joint], volume);
+            flesh::halve(flesh, binding, posed, joint, &mut frame);
+            self.jobs[index].frame = frame;
         }
     }
 

@@ -258,6 +258,11 @@ impl Palette {
         self.dual.get(index).map_or(DualQuaternion::IDENTITY.rotation, |dual| dual.rotation)
     }
 
+    /// Rest position to armature space.
+    pub fn armature_from_rest(&self) -> DAffine3 {
+        self.armature_from_rest
+    }
+
     /// Armature space from that of rest positions.
     #[inline(always)]
     pub fn armature_columns(&self) -> &Columns {

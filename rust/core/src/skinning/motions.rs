@@ -57,6 +57,11 @@ impl Motions {
         }
     }
 
+    /// Rest matrix of each joint's bone.
+    pub fn rest(&self) -> &[DAffine3] {
+        &self.rest
+    }
+
     /// The base that a shell moves against in this frame, with its number; `None` where that is what the joint above it does.
     pub fn base(&self, component: u32) -> Option<(usize, &Base)> {
         let index = self.bases.binary_search_by_key(&component, |base| base.component).ok()?;

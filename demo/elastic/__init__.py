@@ -1,0 +1,1 @@
+"""The law of flesh beside elastic solids: near-incompressible flesh around rigid bones, solved by others."""

@@ -1,0 +1,248 @@
+//! What is bound: limbs, and which points each may move.
+
+use std::collections::BTreeMap;
+
+use glam::{DAffine3, DVec3};
+
+use super::bend::{NEAR_MAX, REACH};
+use super::limb::Limb;
+use crate::numeric::block_rows::{Block, LANES};
+use crate::numeric::csr::Csr;
+use crate::skinning::joint_tree::JointTree;
+use crate::skinning::sites::Sites;
+use crate::surface::patches::Patches;
+
+/// A point that hangs on more joints than this is left alone by twists.
+pub(super) const NODES_MAX: usize = 16;
+/// Of the whole, or nothing: weights are sums of such as are stored in single precision.
+const WHOLE: f64 = 1.0 - 1e-6;
+
+/// One joint that a point hangs on: parts of the point's weight.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Node {
+    pub joint: u16,
+    /// Place, in the row of the point, of the node above; `NODES_MAX` for the joint on which all of them hang.
+    pub above: u16,
+    /// Of the bone itself, and of all that hangs on the joint.
+    pub own: f32,
+    pub under: f32,
+    /// Part of the joint's twist by the blend, and spread along the bone.
+    pub share: [f32; 2],
+}
+
+/// Eight points of a patch that a joint's bend may move; 0 for others.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct NearBlock {
+    pub number: u32,
+    /// 1 less the weight of bones that are neither above nor below the joint.
+    pub kin: Block<f32>,
+    /// As in a node.
+    pub shares: [Block<f32>; 2],
+}
+
+/// Eight points of a patch that hang on a joint and the bone above it alone; 0 for others.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TwistBlock {
+    pub number: u32,
+    pub under: Block<f32>,
+    /// As in a node.
+    pub shares: [Block<f32>; 2],
+}
+
+/// Where the blocks of a joint lie in a patch.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct JointRow {
+    pub joint: u16,
+    pub row: u32,
+}
+
+/// Three numbers per point of a patch, of one joint.
+type Numbers = Vec<[f32; 3]>;
+
+/// What limbs are made from.
+pub(crate) struct Parts<'a> {
+    pub patches: &'a Patches,
+    pub sites: &'a Sites,
+    pub tree: &'a JointTree,
+    /// Rest matrix of each joint's bone.
+    pub rest: &'a [DAffine3],
+    /// Per slot, armature space.
+    pub places: &'a [DVec3],
+    pub areas: &'a [f64],
+    /// Whether bones are blended linearly.
+    pub is_linear: bool,
+}
+
+/// A body as the law of flesh sees it.
+#[derive(Debug)]
+pub(crate) struct Anatomy {
+    pub(super) limbs: Vec<Option<Limb>>,
+    /// Per slot, joints above before those below.
+    pub(super) nodes: Csr<Node>,
+    /// Per slot, the joint that the nodes of a row hang on, or the world.
+    pub(super) tops: Vec<u16>,
+    /// Bends: per row the blocks, and per patch the rows.
+    pub(super) near: Csr<NearBlock>,
+    pub(super) near_of_patch: Csr<JointRow>,
+    /// Twists of points that hang on one joint and the bone above alone, where skinning is linear; others have nodes.
+    pub(super) twists: Csr<TwistBlock>,
+    pub(super) twists_of_patch: Csr<JointRow>,
+    /// Per patch, joints of its nodes.
+    pub(super) nodes_of_patch: Csr<u16>,
+}
+
+impl Anatomy {
+    pub fn new(parts: &Parts) -> Self {
+        let Parts { patches, sites, tree, rest, places, areas, is_linear } = *parts;
+        let count = tree.len();
+        let slots: Vec<usize> = patches.list.iter().flat_map(|patch| patch.start..patch.start + patch.owned).collect();
+        let under: Vec<Vec<(usize, f64, f64)>> = (0..places.len()).map(|slot| hanging(sites, tree, slot)).collect();
+        let mut held = vec![0.0; count];
+        let mut skin: Vec<Vec<(DVec3, f64)>> = vec![Vec::new(); count];
+        for &slot in &slots {
+            for &(joint, _, part) in &under[slot] {
+                held[joint] += part * areas[slot];
+                let blend = 4.0 * part * (1.0 - part) * areas[slot];
+                if part < WHOLE && blend > 0.0 {
+                    skin[joint].push((places[slot], blend));
+                }
+            }
+        }
+        let limbs: Vec<Option<Limb>> = (0..count).map(|joint| Limb::new(tree, joint, &rest[joint], &held, &skin[joint])).collect();
+        let reaches: Vec<f64> = limbs
+            .iter()
+            .map(|limb| limb.as_ref().map_or(0.0, |l| (NEAR_MAX * l.reach_max).hypot(REACH * l.radius) + l.head.distance(l.middle)))
+            .collect();
+        let mut result = Self {
+            limbs,
+            nodes: Csr::default(),
+            tops: Vec::new(),
+            near: Csr::default(),
+            near_of_patch: Csr::default(),
+            twists: Csr::default(),
+            twists_of_patch: Csr::default(),
+            nodes_of_patch: Csr::default(),
+        };
+        for (index, patch) in patches.list.iter().enumerate() {
+            let (mut near, mut twists): (BTreeMap<u16, Numbers>, BTreeMap<u16, Numbers>) = (BTreeMap::new(), BTreeMap::new());
+            let mut of_nodes: Vec<u16> = Vec::new();
+            let slots = patch.start..patches.slot_offsets[index + 1] as usize;
+            let row = || vec![[0.0; 3]; slots.len()];
+            for (at, slot) in slots.clone().enumerate() {
+                if at >= patch.owned {
+                    result.tops.push(tree.world() as u16);
+                    result.nodes.push_row([]);
+                    continue;
+                }
+                let (top, mut nodes) = result.nodes_of(tree, places[slot], &under[slot]);
+                if let (true, [node]) = (is_linear, &*nodes) {
+                    if result.limbs[usize::from(node.joint)].is_some() {
+                        twists.entry(node.joint).or_insert_with(row)[at] = [node.under, node.share[0], node.share[1]];
+                    }
+                    nodes.clear();
+                }
+                of_nodes.extend(nodes.iter().map(|node| node.joint));
+                result.tops.push(top as u16);
+                result.nodes.push_row(nodes);
+                for (joint, kin, share) in result.near_of(tree, &reaches, places[slot], &under[slot]) {
+                    near.entry(joint).or_insert_with(row)[at] = [kin, share[0], share[1]];
+                }
+            }
+            of_nodes.sort_unstable();
+            of_nodes.dedup();
+            result.nodes_of_patch.push_row(of_nodes);
+            let rows = |first: usize, joints: &BTreeMap<u16, Numbers>| -> Vec<JointRow> {
+                (first..).zip(joints.keys()).map(|(row, &joint)| JointRow { joint, row: row as u32 }).collect()
+            };
+            result.near_of_patch.push_row(rows(result.near.len(), &near));
+            for numbers in near.values() {
+                result.near.push_row(blocks(numbers).map(|(number, [kin, a, b])| NearBlock { number, kin, shares: [a, b] }));
+            }
+            result.twists_of_patch.push_row(rows(result.twists.len(), &twists));
+            for numbers in twists.values() {
+                result.twists.push_row(blocks(numbers).map(|(number, [under, a, b])| TwistBlock { number, under, shares: [a, b] }));
+            }
+        }
+        result
+    }
+
+    pub fn memory_bytes(&self) -> usize {
+        self.nodes.memory_bytes()
+            + self.near.memory_bytes()
+            + self.near_of_patch.memory_bytes()
+            + self.twists.memory_bytes()
+            + self.twists_of_patch.memory_bytes()
+            + self.nodes_of_patch.memory_bytes()
+            + size_of_val(&*self.tops)
+    }
+
+    /// Joints whose twists a point may feel, and the one on which they hang.
+    fn nodes_of(&self, tree: &JointTree, place: DVec3, under: &[(usize, f64, f64)]) -> (usize, Vec<Node>) {
+        let share = |joint: usize, part: f64, above: f64| {
+            let part = if above > 0.0 { (part / above).min(1.0) } else { part };
+            let along = self.limbs[joint].as_ref().map_or(part, |limb| limb.share_along(place, part));
+            [part as f32, along as f32]
+        };
+        // What hangs on a joint as a whole and takes all of its twist need not be looked at.
+        let is_carried = |&&(joint, _, part): &&(usize, f64, f64)| part >= WHOLE && share(joint, part, 1.0) == [1.0, 1.0];
+        let carried = under.iter().take_while(is_carried).count();
+        let is_felt = under[carried..].iter().any(|&(joint, _, _)| self.limbs[joint].is_some());
+        if !is_felt || under.len() - carried > NODES_MAX {
+            return (tree.world(), Vec::new());
+        }
+        let top = if carried > 0 { under[carried - 1].0 } else { tree.world() };
+        let mut nodes: Vec<Node> = Vec::new();
+        for &(joint, own, part) in &under[carried..] {
+            let place_above = nodes.iter().position(|node| Some(usize::from(node.joint)) == tree.parent(joint));
+            let above = place_above.map_or(1.0, |place| f64::from(nodes[place].under));
+            nodes.push(Node {
+                joint: joint as u16,
+                above: place_above.unwrap_or(NODES_MAX) as u16,
+                own: own as f32,
+                under: part as f32,
+                share: share(joint, part, above),
+            });
+        }
+        (top, nodes)
+    }
+
+    /// Joints whose bends may reach a point, how much of it is theirs, and its shares of their twists.
+    fn near_of(&self, tree: &JointTree, reaches: &[f64], place: DVec3, under: &[(usize, f64, f64)]) -> Vec<(u16, f32, [f32; 2])> {
+        let limbs = self.limbs.iter().enumerate().filter_map(|(joint, limb)| Some((joint, limb.as_ref()?)));
+        let close =
+            limbs.filter(|(joint, limb)| place.distance_squared(limb.head) < reaches[*joint].powi(2) && limb.may_reach(place, REACH));
+        let near = close.filter_map(|(joint, limb)| {
+            let find = |joint: usize| under.iter().find(|u| u.0 == joint).map_or((0.0, 0.0), |u| (u.1, u.2));
+            let above: f64 = tree.chain(usize::from(tree.parents[joint])).map(|joint| find(joint).0).sum();
+            let (part, parent) = (find(joint).1, find(usize::from(tree.parents[joint])).1);
+            let kin = (part + above).min(1.0);
+            let relative = if parent > 0.0 { (part / parent).min(1.0) } else { part };
+            (kin > 1.0 - WHOLE).then(|| (joint as u16, kin as f32, [relative as f32, limb.share_along(place, relative) as f32]))
+        });
+        near.collect()
+    }
+}
+
+/// Blocks with anything in them, by number.
+fn blocks(numbers: &[[f32; 3]]) -> impl Iterator<Item = (u32, [Block<f32>; 3])> {
+    let all = (0..).zip(numbers.chunks(LANES));
+    let used = all.filter(|(_, points)| points.iter().any(|point| *point != [0.0; 3]));
+    used.map(|(number, points)| {
+        let row = |which: usize| std::array::from_fn(|lane| points.get(lane).map_or(0.0, |point| point[which]));
+        (number, [row(0), row(1), row(2)])
+    })
+}
+
+/// Joints that a point hangs on, parents first: the weight of each bone, and of all that hangs on it.
+fn hanging(sites: &Sites, tree: &JointTree, slot: usize) -> Vec<(usize, f64, f64)> {
+    let mut own: Vec<(usize, f64)> = Vec::new();
+    for site in sites.of_slot(slot) {
+        let (joints, weights) = sites.influences.of(site);
+        own.extend(joints.iter().zip(weights).map(|(&joint, weight)| (usize::from(joint), weight * sites.share(site))));
+    }
+    let mut all: Vec<usize> = own.iter().flat_map(|&(joint, _)| tree.chain(joint)).collect();
+    all.sort_unstable();
+    all.dedup();
+    let sum = |from: usize, to: usize| own.iter().filter(|o| (from..to).contains(&o.0)).map(|o| o.1).sum::<f64>();
+    all.iter().map(|&joint| (joint, sum(joint, joint + 1), sum(joint, usize::from(tree.ends[joint])))).collect()
+}

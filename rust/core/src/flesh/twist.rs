@@ -1,0 +1,222 @@
+//! Twists by angle, in a nested blend.
+//!
+//! Joint by joint from the leaves, a point is the mean of what its bones make of it:
+//!
+//!     D_b y_b = w_b x + Σ D_c L_c y_c        over the joints c right below b, L_c what c does that b does not
+//!
+//! which is linear skinning. Now each part first turns about the axis of each c: that of c by −(1 − s) τ, so that s τ is left of the
+//! twist τ in L_c, all others by s τ. Where the point is a bone's alone and s is 1 nothing changes; in a pure twist the
+//! point is turned by s τ as a whole, whatever the weights. Kept is the difference from linear skinning.
+
+use glam::{DAffine3, DVec3};
+
+use super::anatomy::{NODES_MAX, Node, TwistBlock};
+use super::lanes::{self, Points8, at, image, scale, single, single3, turned};
+use super::limb::Limb;
+use super::turn::Turn;
+use crate::numeric::block_rows::LANES;
+
+/// What a frame does to the joints, as twists need it.
+#[derive(Clone, Copy)]
+pub(super) struct Twists<'a> {
+    pub limbs: &'a [Option<Limb>],
+    pub turns: &'a [Turn],
+    /// pose · rest⁻¹ per joint and for the world, armature space.
+    pub channels: &'a [DAffine3],
+}
+
+/// A point that linear skinning has blended.
+#[derive(Clone, Copy)]
+pub(super) struct Blended {
+    /// Where linear skinning leaves it.
+    pub place: DVec3,
+    /// What turning by angle adds.
+    pub by: DVec3,
+    /// Part of the law that holds there, by the joints that blend.
+    pub amount: f64,
+}
+
+impl Twists<'_> {
+    /// v turned about a joint's axis by an angle, less v.
+    fn turned_about(&self, joint: usize, v: DVec3, angle: f64) -> DVec3 {
+        let Some(limb) = &self.limbs[joint] else { return DVec3::ZERO };
+        let (sine, cosine) = angle.sin_cos();
+        let across = limb.axis.cross(v);
+        across * sine + limb.axis.cross(across) * (1.0 - cosine)
+    }
+
+    /// A part of weight `weight` of a point, turned about a joint, less itself.
+    fn turned_part(&self, joint: usize, part: DVec3, weight: f64, angle: f64) -> DVec3 {
+        if angle == 0.0 {
+            return DVec3::ZERO;
+        }
+        let head = self.limbs[joint].as_ref().map_or(DVec3::ZERO, |limb| limb.head);
+        self.turned_about(joint, part - head * weight, angle)
+    }
+
+    /// The whole blend of a point.
+    pub fn blended(&self, nodes: &[Node], top: usize, place: DVec3) -> Blended {
+        // Of each node, times its weight: the point in the rest space of its bone, and what is added there.
+        let mut points = [DVec3::ZERO; NODES_MAX + 1];
+        let mut by = [DVec3::ZERO; NODES_MAX + 1];
+        let (mut law, mut blend) = (0.0, 0.0);
+        for above in (0..=nodes.len()).rev() {
+            // The joint on which all hang comes last, and is kept behind the nodes.
+            let (at, own, joint) = if above == 0 {
+                let below: f64 = nodes.iter().filter(|n| usize::from(n.above) == NODES_MAX).map(|n| f64::from(n.under)).sum();
+                (NODES_MAX, (1.0 - below).max(0.0), top)
+            } else {
+                let node = &nodes[above - 1];
+                (above - 1, f64::from(node.own), usize::from(node.joint))
+            };
+            let is_below = |node: &&Node| usize::from(node.above) == at;
+            let angle_of = |node: &Node| {
+                let turn = &self.turns[usize::from(node.joint)];
+                (turn.share(node.share) * turn.twist, turn.twist)
+            };
+            let (mut point, mut added) = (place * own, DVec3::ZERO);
+            if own > 0.0 {
+                for node in nodes.iter().filter(is_below) {
+                    added += self.turned_part(usize::from(node.joint), point, own, angle_of(node).0);
+                }
+            }
+            let whole = own + nodes.iter().filter(is_below).map(|n| f64::from(n.under)).sum::<f64>();
+            for (index, node) in nodes.iter().enumerate().filter(|(_, node)| is_below(node)) {
+                let (child, part) = (usize::from(node.joint), f64::from(node.under));
+                let mut sum = by[index];
+                let moved = points[index] + by[index];
+                for other in nodes.iter().filter(is_below).filter(|other| other.joint != node.joint) {
+                    sum += self.turned_part(usize::from(other.joint), moved, part, angle_of(other).0);
+                }
+                let (kept, twist) = angle_of(node);
+                sum += self.turned_part(child, points[index] + sum, part, kept - twist);
+                let local = self.local(child, joint);
+                point += local.matrix3 * points[index] + local.translation * part;
+                added += local.matrix3 * sum;
+                let pair = part * (whole - part);
+                law += pair * self.turns[child].amount;
+                blend += pair;
+            }
+            (points[at], by[at]) = (point, added);
+        }
+        let map = &self.channels[top];
+        Blended {
+            place: map.matrix3 * points[NODES_MAX] + map.translation,
+            by: map.matrix3 * by[NODES_MAX],
+            amount: if blend > 0.0 { law / blend } else { 0.0 },
+        }
+    }
+
+    /// What a joint does that the one above does not.
+    fn local(&self, joint: usize, above: usize) -> DAffine3 {
+        let turn = &self.turns[joint];
+        if turn.amount > 0.0 { turn.local } else { self.channels[above].inverse() * self.channels[joint] }
+    }
+}
+
+/// A joint's twist in one frame, for points that hang on it and the bone above alone.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Twisted {
+    head: [f32; 3],
+    axis: [f32; 3],
+    twist: f32,
+    spread: f32,
+    /// Turns of the bone above, and of the joint's own.
+    above: [[f32; 3]; 3],
+    own: [[f32; 3]; 3],
+}
+
+impl Twisted {
+    /// `centre`: that places are told from.
+    pub fn new(limb: &Limb, turn: &Turn, above: &DAffine3, own: &DAffine3, centre: DVec3) -> Self {
+        Self {
+            head: single(limb.head - centre),
+            axis: single(limb.axis),
+            twist: turn.twist as f32,
+            spread: turn.spread as f32,
+            above: single3(&above.matrix3),
+            own: single3(&own.matrix3),
+        }
+    }
+
+    /// Adds what turning by angle does: s τ before the bone above moves what is its own, −(1 − s) τ before the joint does.
+    #[inline(always)]
+    pub fn add(&self, block: &TwistBlock, points: &Points8, by: &mut Points8) {
+        for lane in 0..LANES {
+            let from_head = lanes::sub(at(points, lane), self.head);
+            let (blended, along, part) = (block.shares[0][lane], block.shares[1][lane], block.under[lane]);
+            let kept = (blended + (along - blended) * self.spread) * self.twist;
+            let above = scale(turned(self.axis, from_head, kept), 1.0 - part);
+            let own = scale(turned(self.axis, from_head, kept - self.twist), part);
+            let added = lanes::add(image(&self.above, above), image(&self.own, own));
+            for axis in 0..3 {
+                by[axis][lane] += added[axis];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DMat4, DQuat};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::numeric::lanes;
+    use crate::skinning::blend::{Mode, Skinning};
+    use crate::skinning::skeleton::Skeleton;
+    use crate::{Joint, Options, Pose, Topology, VolumeSkin};
+
+    /// A cube whose corners hang on bones of a branching tree, each in its own way.
+    fn cube(weights: &[f64], parents: &[i32], heads: &[DVec3], mode: Mode) -> VolumeSkin {
+        let rest: Vec<DVec3> = (0..8).map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2))).collect();
+        let corners = [0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5];
+        let offsets: Vec<i32> = (0..=6).map(|face| 4 * face).collect();
+        let topology = Topology::new(&rest, &offsets, &corners, 0.0).unwrap();
+        let bones: Vec<i32> = (0..8).flat_map(|_| 0..parents.len() as i32).collect();
+        let first: Vec<i32> = (0..=8).map(|vertex| vertex * parents.len() as i32).collect();
+        let matrices: Vec<DMat4> = heads.iter().map(|&head| DMat4::from_translation(head)).collect();
+        let skeleton = Skeleton::new(parents, &matrices).unwrap();
+        let skinning = Skinning::new(skeleton, &first, &bones, weights, mode, None).unwrap();
+        VolumeSkin::bind(&topology, &rest, &skinning, &[], Options::default(), &[], &DMat4::IDENTITY).unwrap()
+    }
+
+    fn vector() -> impl Strategy<Value = DVec3> {
+        [-1.0..1.0, -1.0..1.0, -1.0..1.0].prop_map(DVec3::from_array)
+    }
+
+    proptest! {
+        #[test]
+        fn without_twists_the_nested_blend_is_the_linear_one(
+            weights in prop::collection::vec(prop_oneof![Just(0.0), 0.01..1.0], 40),
+            parents in (0..1i32, 0..2i32, 0..3i32, 0..4i32).prop_map(|p| [-1, p.0, p.1, p.2, p.3]),
+            heads in prop::collection::vec(vector(), 5),
+            turns in prop::collection::vec(vector(), 5),
+        ) {
+            prop_assume!(weights.chunks(5).all(|row| row.iter().sum::<f64>() > 0.0));
+            let body = cube(&weights, &parents, &heads, Mode::Linear);
+            let pose: Vec<DMat4> = turns.iter().zip(&heads).map(|(&turn, &head)| {
+                DMat4::from_rotation_translation(DQuat::from_scaled_axis(turn), head + turn)
+            }).collect();
+            let mut workspace = body.workspace();
+            let joints: Vec<Joint> = (0..5).map(|bone| Joint { flesh: crate::Flesh::NONE, ..Joint::isotropic(bone) }).collect();
+            let body = body.with_joints(&joints, Options::default()).unwrap();
+            body.deform(&Pose::new(&pose), &mut workspace, &mut [[0.0; 3]; 8]).unwrap();
+            let (binding, anatomy, motions) = (body.binding(), body.binding().anatomy(), &workspace.motions);
+            let turns = vec![Turn::default(); motions.tree.len()];
+            let twists = Twists { limbs: &anatomy.limbs, turns: &turns, channels: &motions.channels };
+            for (&slot, &site) in binding.slot_of_vertex.iter().zip(&binding.sites.site_of_vertex) {
+                let nodes = anatomy.nodes.row(slot as usize);
+                if nodes.is_empty() {
+                    continue;
+                }
+                let rest = binding.sites.rest[site as usize];
+                let skinned = lanes::to(motions.palette.skin(&binding.sites.influences, site as usize, rest)) + motions.palette.origin;
+                let place = lanes::to(motions.palette.in_armature(rest));
+                let blended = twists.blended(nodes, usize::from(anatomy.tops[slot as usize]), place);
+                prop_assert!(blended.place.distance(skinned) < 1e-5, "{} {skinned}", blended.place);
+                prop_assert!(blended.by.length() < 1e-12);
+            }
+        }
+    }
+}

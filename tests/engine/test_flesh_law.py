@@ -1,0 +1,267 @@
+"""The law of flesh: what it leaves alone, what it keeps, and that nothing jumps."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import turgor
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from rigs import Mode, Rig, applied, limb, random_rigid_motion, rotation, translation
+
+seeds = st.integers(0, 2**32 - 1)
+modes = st.sampled_from(["linear", "dual_quaternion"])
+PRESETS: tuple[turgor.presets.PresetName, ...] = ("isotropic", "muscle", "flesh")
+# Of the tube's radius 0.5: what the law and fields add is single precision.
+DIGITS = 1e-6
+RADIUS = 0.5
+
+
+def following(rig: Rig, preset: turgor.presets.PresetName = "flesh", **flesh) -> list[turgor.Joint]:
+    """All joints follow the law."""
+    return [turgor.presets.joint(preset, bone, **{"flesh": 1.0, **flesh}) for bone in range(rig.bone_count)]
+
+
+def elbow(rings: int = 49, sides: int = 16) -> Rig:
+    return limb(2, rings, sides)
+
+
+def turned(rig: Rig, bend: float, twist: float, axis: float = 0.0) -> NDArray[np.float64]:
+    """The second bone bent about an axis across it, after a twist about itself; degrees."""
+    across = [np.sin(np.radians(axis)), 0.0, np.cos(np.radians(axis))]
+    local = rotation(across, np.radians(bend)) @ rotation([0.0, 1.0, 0.0], np.radians(twist))
+    return rig.pose([np.eye(4), local, *[np.eye(4)] * (rig.bone_count - 2)])
+
+
+def added(rig: Rig, body: turgor.VolumeSkin, pose) -> NDArray[np.float64]:
+    frame = body.deform(pose)
+    return frame.positions - frame.skinned
+
+
+def radii(rig: Rig, positions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Distance from the x axis."""
+    return np.hypot(positions[:, 1], positions[:, 2])
+
+
+@given(seeds, modes)
+def test_none_of_it_is_the_same_to_the_last_bit(seed: int, mode: Mode):
+    rig = limb()
+    pose = rig.random_pose(np.random.default_rng(seed), 1.0)
+    none = following(rig, flesh=0.0, outside=0.3, spread_twist=0.2, crease=0.7)
+    plain = [turgor.presets.joint("flesh", bone) for bone in range(rig.bone_count)]
+    frames = [rig.body(mode, joints).deform(pose) for joints in (none, plain)]
+    np.testing.assert_array_equal(frames[0].offsets, frames[1].offsets)
+    np.testing.assert_array_equal(frames[0].positions, frames[1].positions)
+
+
+@given(seeds, modes, st.sampled_from(PRESETS), st.sampled_from(["simultaneous", "sequential"]))
+def test_volume_is_exact(seed: int, mode: Mode, preset: turgor.presets.PresetName, solver):
+    rng = np.random.default_rng(seed)
+    rig = limb(4)
+    pose = rig.random_pose(rng, 2.0, scale=0.1, shift=0.05)
+    amounts = rng.uniform(0.0, 1.0, (rig.bone_count, 4))
+    joints = [
+        turgor.presets.joint(preset, bone, flesh=a, outside=b, spread_twist=c, crease=d) for bone, (a, b, c, d) in enumerate(amounts)
+    ]
+    frame = rig.body(mode, joints, solver=solver).deform(pose)
+    found = rig.surface.mesh().component_volumes(frame.positions)
+    np.testing.assert_allclose(found, frame.report.target_volumes, rtol=1e-12)
+    np.testing.assert_allclose(frame.positions - frame.skinned, frame.offsets, atol=DIGITS)
+    assert np.isfinite(frame.report.joint_losses).all()
+
+
+@given(seeds, modes)
+def test_losses_sum_to_what_is_missing(seed: int, mode: Mode):
+    rig = limb(4)
+    pose = rig.random_pose(np.random.default_rng(seed), 1.5)
+    report = rig.body(mode, following(rig)).deform(pose).report
+    missing = report.target_volumes - report.flesh_volumes
+    np.testing.assert_allclose(report.joint_losses.sum(), missing.sum(), atol=1e-10)
+
+
+@given(seeds, modes)
+def test_rest_is_rest(seed: int, mode: Mode):
+    rig = limb(4)
+    move = random_rigid_motion(np.random.default_rng(seed))
+    assert not rig.body(mode, following(rig)).deform(rig.rest_pose()).offsets.any()
+    whole = rig.body(mode, following(rig)).deform(move @ rig.rest_pose())
+    assert np.abs(whole.offsets).max() < DIGITS
+
+
+@pytest.mark.parametrize("mode", ["linear", "dual_quaternion"])
+@pytest.mark.parametrize("spread", [0.0, 1.0])
+@pytest.mark.parametrize("bones", [2, 3])
+def test_a_twist_keeps_every_section(mode: Mode, spread: float, bones: int):
+    rig = limb(bones, 49, 16)
+    body = rig.body(mode, following(rig, spread_twist=spread))
+    for twist in (20.0, 60.0, 120.0, 150.0):
+        found = body.deform(turned(rig, 0.0, twist)).positions
+        np.testing.assert_allclose(radii(rig, found), radii(rig, rig.surface.positions), atol=2e-3 * RADIUS)
+
+
+def test_a_spread_twist_is_straight_along_the_bone():
+    rig = limb(3, 97, 16)
+    found = rig.body(joints=following(rig)).deform(turned(rig, 0.0, 90.0)).positions
+    rest = rig.surface.positions
+    angle = np.degrees(np.unwrap(np.arctan2(found[:, 2], found[:, 1]) - np.arctan2(rest[:, 2], rest[:, 1])))
+    angle = (angle + 180.0) % 360.0 - 180.0
+    length = 4.0 / 3.0
+    along = (rest[:, 0] - length) / length
+    inner = (along > 0.6) & (along < 0.95) & (radii(rig, rest) > 0.1)
+    np.testing.assert_allclose(np.abs(angle[inner]), 90.0 * along[inner], atol=6.0)
+
+
+@given(seeds, modes)
+def test_the_law_moves_with_the_pose(seed: int, mode: Mode):
+    rng = np.random.default_rng(seed)
+    rig = limb()
+    body = rig.body(mode, following(rig))
+    pose, move = rig.random_pose(rng, 1.0), random_rigid_motion(rng)
+    np.testing.assert_allclose(body.deform(move @ pose).positions, applied(move, body.deform(pose).positions), atol=3 * DIGITS)
+
+
+@given(seeds, modes)
+def test_place_and_size_do_not_matter(seed: int, mode: Mode):
+    rng = np.random.default_rng(seed)
+    rig = limb()
+    size = rng.uniform(0.1, 10.0)
+    place = random_rigid_motion(rng) @ np.diag([size, size, size, 1.0])
+    placed = rig.with_surface(rig.surface.moved(applied(place, rig.surface.positions)))
+    pose = rig.random_pose(rng, 1.0)
+    body = placed.body(mode, following(rig), object_from_armature=place)
+    expected = applied(place, rig.body(mode, following(rig)).deform(pose).positions)
+    np.testing.assert_allclose(body.deform(pose, object_from_armature=place).positions, expected, atol=3 * DIGITS * size)
+
+
+@given(seeds)
+def test_the_order_of_bones_does_not_matter(seed: int):
+    rng = np.random.default_rng(seed)
+    rig = limb(4)
+    order = rng.permutation(rig.bone_count)
+    place = np.argsort(order).astype(np.int32)
+    parents = np.array([-1 if rig.parents[old] < 0 else place[rig.parents[old]] for old in order], dtype=np.int32)
+    other = replace(rig, parents=parents, rest_matrices=rig.rest_matrices[order], bones=place[rig.bones])
+    pose = rig.random_pose(rng, 1.0)
+    found = other.body(joints=following(other)).deform(pose[order]).positions
+    np.testing.assert_allclose(found, rig.body(joints=following(rig)).deform(pose).positions, atol=3 * DIGITS)
+
+
+@given(seeds, modes)
+def test_many_frames_are_the_same_bits(seed: int, mode: Mode):
+    rng = np.random.default_rng(seed)
+    rig = limb()
+    body = rig.body(mode, following(rig))
+    poses = np.array([rig.random_pose(rng, 1.0) for _ in range(4)])
+    many = body.deform_many(poses)
+    positions = many[0] if isinstance(many, tuple) else many
+    for pose, found in zip(poses, np.asarray(positions), strict=True):
+        frame = body.deform(pose)
+        np.testing.assert_array_equal(found, (frame.skinned + frame.offsets).astype(np.float32))
+
+
+SWEEPS = {
+    "through straight": lambda t: (40.0 * t - 20.0, 0.0, 0.0),
+    "through a half turn": lambda t: (170.0 + 20.0 * t, 0.0, 0.0),
+    "twist through a half turn": lambda t: (30.0, 170.0 + 20.0 * t, 0.0),
+    "to a deep bend": lambda t: (150.0 * t, 0.0, 0.0),
+    "axis": lambda t: (75.0, 0.0, 180.0 * t),
+    "axis of a small bend": lambda t: (2.0, 0.0, 180.0 * t),
+    "all": lambda t: (120.0 * t, -150.0 + 300.0 * t, 90.0 * t),
+}
+
+
+# At a half turn dual quaternions themselves jump.
+SMOOTH: list[tuple[str, Mode]] = [
+    *((sweep, "linear") for sweep in SWEEPS),
+    *((sweep, "dual_quaternion") for sweep in SWEEPS if "half turn" not in sweep),
+]
+
+
+@pytest.mark.parametrize(("sweep", "mode"), SMOOTH)
+def test_nothing_jumps(sweep: str, mode: Mode):
+    rig = elbow()
+    body = rig.body(mode, following(rig))
+    largest = []
+    for steps in (600, 1200):
+        frames = [added(rig, body, turned(rig, *SWEEPS[sweep](t))) for t in np.linspace(0.0, 1.0, steps + 1)]
+        largest.append(max(np.abs(b - a).max() for a, b in zip(frames, frames[1:], strict=False)))
+    assert largest[1] <= 0.62 * largest[0] + 2e-6, largest
+
+
+@given(seeds)
+def test_a_vertex_that_is_masked_stays(seed: int):
+    rng = np.random.default_rng(seed)
+    rig = limb()
+    mask = (rng.random(rig.surface.positions.shape[0]) > 0.3).astype(np.float32)
+    frame = rig.body(joints=following(rig)).with_mask(mask).deform(rig.random_pose(rng, 1.0))
+    assert not frame.offsets[mask == 0.0].any()
+
+
+@given(seeds, modes)
+def test_a_body_of_the_frame_is_followed(seed: int, mode: Mode):
+    rng = np.random.default_rng(seed)
+    rig = limb()
+    pose = rig.random_pose(rng, 1.0)
+    body = rig.body(mode, following(rig))
+    rest = rig.surface.positions.astype(np.float32)
+    same = body.deform(pose, rest_positions=rest).positions
+    np.testing.assert_allclose(same, body.deform(pose).positions, atol=2e-3 * RADIUS)
+    other = (rest * [1.0, 1.2, 0.9]).astype(np.float32)
+    frame = body.deform(pose, rest_positions=other)
+    found = rig.surface.mesh().component_volumes(frame.positions)
+    np.testing.assert_allclose(found, frame.report.target_volumes, rtol=1e-12)
+
+
+@given(seeds)
+def test_offsets_of_others_are_added_to(seed: int):
+    rng = np.random.default_rng(seed)
+    rig = limb()
+    pose = rig.random_pose(rng, 1.0)
+    others = (0.02 * rng.normal(size=rig.surface.positions.shape)).astype(np.float32)
+    frame = rig.body(joints=following(rig)).deform(pose, added_offsets=others)
+    found = rig.surface.mesh().component_volumes(frame.positions)
+    np.testing.assert_allclose(found, frame.report.target_volumes, rtol=1e-12)
+
+
+@given(seeds)
+def test_fleshed_bones_are_left_alone(seed: int):
+    rig = elbow()
+    rng = np.random.default_rng(seed)
+    pose = rig.random_pose(rng, 1.0)
+    nothing = np.zeros(rig.surface.positions.shape, dtype=np.float32)
+    all_fleshed = [True] * rig.bone_count
+    frames = [rig.body(joints=following(rig, flesh=amount)).deform(pose, added_offsets=nothing, fleshed=all_fleshed) for amount in (0.0, 1.0)]
+    np.testing.assert_array_equal(frames[0].offsets, frames[1].offsets)
+
+
+def test_an_elbow_keeps_its_inside_where_flesh_is():
+    rig = elbow(97, 24)
+    body = rig.body(joints=following(rig, outside=1.0))
+    frame = body.deform(turned(rig, 70.0, 0.0))
+    middle = np.abs(rig.surface.positions[:, 0] - 2.0) < 0.03
+    from_joint = np.linalg.norm(frame.positions[middle] - [2.0, 0.0, 0.0], axis=1) / RADIUS
+    linear = np.linalg.norm(frame.skinned[middle] - [2.0, 0.0, 0.0], axis=1) / RADIUS
+    assert linear.max() < 1.01
+    assert from_joint.max() > 1.2
+    assert from_joint.min() < 0.8
+
+
+@pytest.mark.parametrize("setting", ["flesh", "outside", "spread_twist", "crease"])
+@pytest.mark.parametrize("value", [-0.1, 1.1, np.nan])
+def test_settings_out_of_range_are_refused(setting: str, value: float):
+    with pytest.raises(turgor.TurgorError, match=setting):
+        turgor.Joint(0, **{setting: value})
+
+
+@settings(deadline=None)
+@given(seeds)
+def test_bones_that_are_flattened_or_mirrored_follow_no_law(seed: int):
+    rng = np.random.default_rng(seed)
+    rig = elbow()
+    scale = np.diag([1.0, 1.0, float(rng.choice([-1.0, 0.0, 1e-9])), 1.0])
+    pose = rig.pose([np.eye(4), translation(rng.uniform(-0.1, 0.1, 3)) @ rotation([0.0, 0.0, 1.0], 1.0) @ scale])
+    frames = [rig.body(joints=following(rig, flesh=amount)).deform(pose) for amount in (0.0, 1.0)]
+    np.testing.assert_allclose(frames[0].positions, frames[1].positions, atol=DIGITS)
