@@ -3,12 +3,10 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::cores::largest_ball::SkinTree;
 use crate::cores::rest::RestSurface;
-use crate::numeric::nearness::PointTree;
 use crate::surface::volume::{face_area_vector, face_volume};
 
-/// Points that are closer than this part of half the body's extent are one.
-const COINCIDENT: f64 = 1e-9;
 /// Radii are evened out over this part of the ball.
 const EVENED_OVER: f64 = 0.5;
 /// Relative accuracy of evened radii, and steps towards it at most: on a very dense skin they are evened over less.
@@ -33,8 +31,11 @@ impl Balls {
             let places = || slots.iter().map(|&slot| rest.places[slot as usize]);
             let (low, high) = places().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
             let start = 0.5 * low.distance(high);
-            let tree = PointTree::new(&rest.places, slots.to_vec());
-            let radius = |&slot: &u32| radius(&tree, &rest.places, slot as usize, inwards[slot as usize], start);
+            let tree = SkinTree::new(&rest.places, &inwards, slots.to_vec());
+            let radius = |&slot: &u32| {
+                let inwards = inwards[slot as usize];
+                if inwards == DVec3::ZERO { 0.0 } else { tree.radius(rest.places[slot as usize], inwards, start) }
+            };
             let radii: Vec<f64> = slots.par_iter().with_min_len(256).map(radius).collect();
             for (&slot, radius) in slots.iter().zip(radii) {
                 largest[slot as usize] = radius;
@@ -48,20 +49,6 @@ impl Balls {
         let centres = (0..rest.places.len()).map(|slot| rest.places[slot] + inwards[slot] * radii[slot]).collect();
         Self { radii, centres }
     }
-}
-
-/// Radius of the largest ball that touches a place, its centre in direction `inwards`, and holds no other point.
-fn radius(tree: &PointTree, places: &[DVec3], slot: usize, inwards: DVec3, start: f64) -> f64 {
-    if inwards == DVec3::ZERO {
-        return 0.0;
-    }
-    let place = places[slot];
-    let same = COINCIDENT * start;
-    tree.shrink_ball(place, inwards, start, |point| {
-        let to = places[point as usize] - place;
-        let square = to.length_squared();
-        if square > same * same { square / (2.0 * to.dot(inwards)) } else { f64::INFINITY }
-    })
 }
 
 /// Unit vectors into the flesh, whichever way faces are turned; 0 where there is no direction.

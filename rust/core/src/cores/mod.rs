@@ -3,5 +3,6 @@
 mod balls;
 mod cells;
 pub mod following;
+mod largest_ball;
 mod prisms;
 pub mod rest;

@@ -215,7 +215,8 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: SkinnedInto, scratch: &mut 
     *into.sums = SkinnedPatch { volume, bare: bare.unwrap_or(volume), gap_squared: 0.0 };
     keep_gradient(simd, binding, patch, by_point, into.gradient, into.sources);
     keep_places(simd, patch, p, into.near, into.rest);
-    if added.is_posed() || sites.is_split() || rest_body.is_split() {
+    let has_coincident = binding.has_shared_sites() || sites.is_split();
+    if has_coincident && (added.is_posed() || sites.is_split() || rest_body.is_split()) {
         for &slot in &slots[..patch.owned] {
             let gap_squared = if added.is_posed() {
                 gap_squared(binding.vertices_of_slot().row(slot as usize).iter().filter_map(|&v| added.place_of_vertex(v as usize)))

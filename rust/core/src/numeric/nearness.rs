@@ -9,8 +9,6 @@ use crate::numeric::union_find::UnionFind;
 
 /// Points of a leaf.
 const LEAF: usize = 8;
-/// Boxes that wait to be looked at, at most: one for each time that 2³² points can be halved, and one more.
-const OPEN_MAX: usize = 34;
 /// Boxes that are smaller, or closer, than a distance by this part of it are so whatever rounding does.
 const CERTAIN: f64 = 1e-9;
 
@@ -151,39 +149,6 @@ impl<'a> PointTree<'a> {
             }
         }
         best.map(|(_, point)| point)
-    }
-
-    /// The largest ball up to a radius that touches `place`, its centre in direction `inwards`, a unit vector, and holds no point.
-    ///
-    /// `radius_at`: of the ball that touches a point too; one below 0, infinite or no number does not count.
-    pub fn shrink_ball(&self, place: DVec3, inwards: DVec3, largest: f64, radius_at: impl Fn(u32) -> f64) -> f64 {
-        let mut radius = largest;
-        let mut open = [0usize; OPEN_MAX];
-        let mut count = usize::from(!self.nodes.is_empty());
-        while count > 0 {
-            count -= 1;
-            let node = &self.nodes[open[count]];
-            let centre = place + inwards * radius;
-            let reach = radius * (1.0 + CERTAIN);
-            if centre.clamp(node.low, node.high).distance_squared(centre) > reach * reach {
-                continue;
-            }
-            if let Some([left, right]) = node.halves {
-                // Around the place first: what lies there leaves little of the ball.
-                let to = |half: usize| place.clamp(self.nodes[half].low, self.nodes[half].high).distance_squared(place);
-                let halves = if to(left) <= to(right) { [right, left] } else { [left, right] };
-                open[count..count + 2].copy_from_slice(&halves);
-                count += 2;
-                continue;
-            }
-            for &i in &self.order[node.range.clone()] {
-                let smaller = radius_at(i);
-                if (0.0..radius).contains(&smaller) {
-                    radius = smaller;
-                }
-            }
-        }
-        radius
     }
 }
 
