@@ -124,7 +124,7 @@ class Body:
         current = self._current
         if current[0] != key:
             chosen = joints()
-            engine = self._bound.with_joints(chosen, solver=solver, keep_bone_scale=keep_bone_scale)
+            engine = self._bound.with_joints(chosen, solver=solver, keep_bone_scale=keep_bone_scale, fields="even")
             self._current = current = (key, engine, self._strengths(chosen))
         return current[1:]
 

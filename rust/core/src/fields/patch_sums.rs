@@ -20,8 +20,20 @@ pub(crate) type Row = [f32; PATCH_POINTS];
 /// Without this a point moves by |g|/A: stretched skin, an armpit, would grow fins, and a crease be pushed into itself.
 /// With q = |g|/A, 1 on skin as at rest, 2q/(1 + q²) of it is left: at most twice as far, and hardly at all in a crease.
 /// Also the volume each direction adds by its length, and the length.
-pub(crate) fn directions(gradient: Rows, inverse_areas: &[f32], directions: &mut [Row; 3], volumes: &mut Row, lengths: &mut Row) {
+///
+/// Along `normals`, unit vectors, where there are any: as far, but one way for all of a navel.
+pub(crate) fn directions(
+    gradient: Rows,
+    normals: Option<Rows>,
+    inverse_areas: &[f32],
+    directions: &mut [Row; 3],
+    volumes: &mut Row,
+    lengths: &mut Row,
+) {
     dispatch!(Level::new(), simd => directions_by_lanes(simd, gradient, inverse_areas, directions, volumes, lengths));
+    if let Some(normals) = normals {
+        dispatch!(Level::new(), simd => along_normals_by_lanes(simd, gradient, normals, directions, volumes, lengths));
+    }
 }
 
 #[inline(always)]
@@ -44,6 +56,19 @@ fn directions_by_lanes<S: Simd>(
         let left = 2.0 * q / (1.0 + q * q);
         (dx[i], dy[i], dz[i]) = (x[i] * left, y[i] * left, z[i] * left);
         (volumes[i], lengths[i]) = (square * left, length * left);
+    }
+}
+
+#[inline(always)]
+fn along_normals_by_lanes<S: Simd>(_: S, gradient: Rows, normals: Rows, directions: &mut [Row; 3], volumes: &mut Row, lengths: &Row) {
+    let count = gradient[0].len();
+    let [x, y, z] = gradient.map(|row| &row[..count]);
+    let [nx, ny, nz] = normals.map(|row| &row[..count]);
+    let [dx, dy, dz] = directions.each_mut().map(|row| &mut row[..count]);
+    let (volumes, lengths) = (&mut volumes[..count], &lengths[..count]);
+    for i in 0..count {
+        (dx[i], dy[i], dz[i]) = (nx[i] * lengths[i], ny[i] * lengths[i], nz[i] * lengths[i]);
+        volumes[i] = x[i] * dx[i] + y[i] * dy[i] + z[i] * dz[i];
     }
 }
 
@@ -153,9 +178,9 @@ fn sums_along_by_lanes<S: Simd>(
         let (dy, dz) = (f32x8::simd_from(simd, dy[number]), f32x8::simd_from(simd, dz[number]));
         for axis in 0..3 {
             let [a, b, c] = axes[axis];
-            let moved = height * (dx * a + dy * b + dz * c).abs();
-            sums[axis] += moved * (x * a + y * b + z * c).abs();
-            most[axis] = larger(moved, most[axis]);
+            let moved = height * (dx * a + dy * b + dz * c);
+            sums[axis] += moved * (x * a + y * b + z * c);
+            most[axis] = larger(moved.abs(), most[axis]);
         }
     }
     let of = |axis: usize| (sum_of(sums[axis].into()), largest(most[axis].into()));

@@ -17,6 +17,7 @@ use crate::surface::sweeps::{Buffer, GRADIENT_PARTS};
 impl Workspace {
     /// Displacements by all fields at once, and the field of the residual: the same with every joint giving, none taking.
     pub(crate) fn give_back(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
+        self.carry_normals(binding, supports);
         self.hold(binding, supports, settings, Pass::All);
         self.solve(binding, Pass::All);
         self.add_fields(
@@ -32,6 +33,7 @@ impl Workspace {
     /// Reads the gradient and sums what each field could do with it.
     pub(super) fn hold(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pass: Pass) {
         let (patches, jobs, sources, mask) = (&binding.patches, &self.jobs, &self.sources, self.mask.as_deref());
+        let carried = if self.carries_normals { Some(self.carried.each_ref().map(|row| &**row)) } else { None };
         let (places, has_profiles) = (self.skinned.near.each_ref().map(|c| &**c), !self.profiled.is_empty());
         let profile_offsets = if has_profiles { &supports.block_offsets } else { &patches.no_rows };
         for_each_piece(
@@ -54,7 +56,8 @@ impl Workspace {
                     import_gradient(binding, index, sources, first, &mut gradient);
                     let gradient = gradient.map(|row| &*row);
                     let areas = &binding.inverse_areas[slots.clone()];
-                    patch_sums::directions(gradient, areas, directions, volumes, lengths);
+                    let normals = carried.map(|rows| rows.map(|row| &row[slots.clone()]));
+                    patch_sums::directions(gradient, normals, areas, directions, volumes, lengths);
                     if let Some(mask) = mask {
                         *unmasked = *volumes;
                         patch_sums::mask(&mask.of_slot[slots.clone()], directions, volumes, lengths);
@@ -135,6 +138,7 @@ impl Workspace {
         keep: impl Fn(&mut Move, Move) + Sync,
     ) {
         let (jobs, components, patches, mask) = (&self.jobs, &self.components, &binding.patches, self.mask.as_deref());
+        let carried = if self.carries_normals { Some(self.carried.each_ref().map(|row| &**row)) } else { None };
         let local = Some(&self.local).filter(|local| local.is_used && matches!(pass, Pass::All | Pass::Shell));
         let (gradient, places, profiled) =
             (self.gradient.each_ref().map(|c| &**c), self.skinned.near.each_ref().map(|c| &**c), &self.profiled);
@@ -149,7 +153,8 @@ impl Workspace {
                 let areas = &binding.inverse_areas[slots.clone()];
                 let component = &components[patch.component as usize];
                 let Scratch { fields: FieldRows { directions, volumes, lengths, bell, .. }, sum, .. } = scratch;
-                patch_sums::directions(gradient, areas, directions, volumes, lengths);
+                let normals = carried.map(|rows| rows.map(|row| &row[slots.clone()]));
+                patch_sums::directions(gradient, normals, areas, directions, volumes, lengths);
                 if let Some(mask) = mask {
                     patch_sums::mask(&mask.of_slot[slots.clone()], directions, volumes, lengths);
                 }

@@ -3,6 +3,7 @@
 
 mod added;
 mod body;
+mod carried;
 mod give_back;
 mod in_order;
 mod joint_field;
@@ -144,6 +145,9 @@ pub struct Workspace {
     local: Local,
     /// In units of the mean area.
     gradient: Coordinates,
+    /// Unit vectors; empty unless fields are even.
+    carried: Coordinates,
+    carries_normals: bool,
     /// Per slot.
     moves: Vec<Move>,
     /// Gradients as sweeps leave them, per local point of patches and corner of giants.
@@ -233,6 +237,8 @@ impl Workspace {
             local: Local::default(),
             skinned: Places { near: coordinates(), rest: coordinates() },
             gradient: coordinates(),
+            carried: if supports.is_even { coordinates() } else { Coordinates::default() },
+            carries_normals: false,
             moves: vec![Move::default(); slots],
             sources: vec![lanes::ZERO; binding.patches.source_count()],
             profiled: vec![[0.0; LANES]; if has_profiles { supports.block_count() } else { 0 }],
@@ -248,7 +254,7 @@ impl Workspace {
 
     /// Heap memory that grows with the mesh.
     pub fn memory_bytes(&self) -> usize {
-        let coordinates = [&self.skinned.near, &self.skinned.rest, &self.gradient];
+        let coordinates = [&self.skinned.near, &self.skinned.rest, &self.gradient, &self.carried];
         let vectors = [&self.giant_positions, &self.sources];
         coordinates.iter().flat_map(|c| c.iter()).map(|c| size_of_val(&**c)).sum::<usize>()
             + vectors.iter().map(|v| size_of_val(&***v)).sum::<usize>()
