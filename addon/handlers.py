@@ -9,7 +9,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import migrations, runtime
-from .live import housekeeping, overlay_frames, profiles, pull, push, refining, route, start, strokes
+from .live import housekeeping, overlay_frames, profiles, pull, push, refining, route_choice, start, strokes
 from .properties import carrier, refine
 from .scene import node_group, stack
 
@@ -46,7 +46,7 @@ def depsgraph_update_post(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph
         return
     _start_once()
     if not runtime.session.is_rendering:
-        route.choose()
+        route_choice.choose()
         start.follow(depsgraph)
     _finish(depsgraph)
 

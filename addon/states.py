@@ -21,7 +21,7 @@ from .logic.finding import Finding, worst_first
 from .logic.flesh import Flesh
 from .logic.profiles import Curves
 from .logic.refined_region import MotionNeed
-from .logic.sketch import LocalError, Sketch
+from .logic.spine_sketch import LocalError, Sketch
 from .scene.settings import BodySettings
 from .scene.skeleton import RestBones
 from .scene.spine_curve import SplinePoints

@@ -44,8 +44,8 @@ class Shells:
 
     def volumes(self, positions: Points) -> Points:
         """(K,) signed volume of each shell; V = 1/6 Σ_f Σ_edges det(face mean, a, b), about the centroid."""
-        twins = np.bincount(self.welded)
-        points = np.stack([np.bincount(self.welded, axis) / twins for axis in positions.T], axis=1)
+        counts = np.bincount(self.welded)
+        points = np.stack([np.bincount(self.welded, axis) / counts for axis in positions.T], axis=1)
         points -= points.mean(axis=0)
         centres = np.array([points[rim].mean(axis=0) for rim in self.rims]).reshape(-1, 3)
         points = np.concatenate([points, centres])

@@ -8,7 +8,7 @@ import bpy
 
 from ..properties.joint import TurgorJoint
 from ..properties.joint_names import flipped
-from ..properties.several import edited_joints
+from ..properties.selected_joints import edited_joints
 from . import profiles
 
 # What a joint has besides its sets of profiles; which joints are heard or edited is not a matter of their shape.

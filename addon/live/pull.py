@@ -10,7 +10,7 @@ import ctypes
 from .. import runtime
 from ..properties.carrier import TurgorCarrier
 from ..scene import carrier
-from .kinds import FRAMES
+from .frame_by_kind import FRAMES
 
 FLOAT3_BYTES = 12
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .. import runtime
 from ..logic.character_figures import Timing
 from ..scene import carrier
-from .kinds import FRAMES
+from .frame_by_kind import FRAMES
 
 
 def write_all(depsgraph: bpy.types.Depsgraph, behind: Collection[int] = ()) -> None:

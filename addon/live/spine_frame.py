@@ -12,7 +12,7 @@ import turgor
 from numpy.typing import NDArray
 
 from .. import runtime
-from ..logic import courses, flesh, sketch, splines
+from ..logic import flesh, spine_courses, spine_sketch, splines
 from ..logic.character_figures import SpineFigures, Timing
 from ..logic.finding import Finding
 from ..logic.lazy import Lazy
@@ -111,8 +111,8 @@ def _flesh(target: bpy.types.Object, state: SpineState, bound: SpineBinding, add
         uid = target.original.session_uid
         state.measure = measure = Lazy(lambda: _figures(uid, state, bound, outcome))
         state.inspect = Lazy(lambda: _inspect(uid, state, bound, measure()))
-        state.sketch = Lazy(lambda: sketch.draw(body, pose, outcome.offsets, world))
-        state.local_error = Lazy(lambda: sketch.local_error(body, pose))
+        state.sketch = Lazy(lambda: spine_sketch.draw(body, pose, outcome.offsets, world))
+        state.local_error = Lazy(lambda: spine_sketch.local_error(body, pose))
         state.timing = Timing(1e3 * (ready - started), 1e3 * (done - ready), 1e3 * (perf_counter() - done))
 
 
@@ -152,25 +152,25 @@ class _Bones:
         self, target: bpy.types.Object, bound: SpineBinding, object_from_armature: NDArray[np.float64]
     ) -> None:
         saved = target.turgor_spine
-        self._course: courses.Course = "joints" if saved.course == "JOINTS" else "bones"
+        self._course: spine_courses.Course = "joints" if saved.course == "JOINTS" else "bones"
         self._use_roll = saved.use_roll
         matrices, tail = bound.rest_bones
         # Skin of a limb follows its armature wherever that stands; a body without one was bound where it stood.
         place = bound.placement if bound.limb_bones is None else object_from_armature
         self._rest = _chain(place, matrices, tail)
         self._posed = _chain(object_from_armature, *spine_chain.read_posed(saved.rig, bound.chain))
-        self._at = courses.stations(len(self._rest.joints), self._course, saved.bend_width)
+        self._at = spine_courses.stations(len(self._rest.joints), self._course, saved.bend_width)
         self.key = (*(part.tobytes() for part in self._rest), self._course, saved.bend_width)
 
     def rest(self) -> turgor.Spine:
-        return courses.rest_spine(self._rest, self._at, self._course)
+        return spine_courses.rest_spine(self._rest, self._at, self._course)
 
     def posed(self, rest: turgor.Spine) -> tuple[turgor.Spine, NDArray[np.float64]]:
         """The spine, and the angle at each of its stations."""
-        posed = courses.posed_spine(rest, self._posed, self._at)
+        posed = spine_courses.posed_spine(rest, self._posed, self._at)
         if not self._use_roll:
             return posed, np.zeros(posed.station_count)
-        return posed, courses.rolls(rest, posed, self._rest, self._posed, self._at)
+        return posed, spine_courses.rolls(rest, posed, self._rest, self._posed, self._at)
 
 
 class _Curve:
@@ -214,12 +214,12 @@ def _pose(read: _Bones | _Curve, body: flesh.Bound, saved: bpy.types.PropertyGro
         posed = splines.trimmed(posed, saved.start, saved.end)
     else:
         angles = np.interp(parts, posed.station_lengths / posed.length, angles)
-    twist = angles + courses.grown(saved.twist_start, saved.twist, parts)
+    twist = angles + spine_courses.grown(saved.twist_start, saved.twist, parts)
     return flesh.Pose(posed, twist, saved.slide, saved.stretch)
 
 
-def _chain(place: NDArray[np.float64], matrices: NDArray[np.float64], tail: NDArray[np.float64]) -> courses.Chain:
-    return courses.chain_of(place @ matrices, place[:3, :3] @ tail + place[:3, 3])
+def _chain(place: NDArray[np.float64], matrices: NDArray[np.float64], tail: NDArray[np.float64]) -> spine_courses.Chain:
+    return spine_courses.chain_of(place @ matrices, place[:3, :3] @ tail + place[:3, 3])
 
 
 def _figures(uid: int, state: SpineState, bound: SpineBinding, outcome: flesh.Outcome) -> SpineFigures:

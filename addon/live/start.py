@@ -14,7 +14,7 @@ from . import (
     masks,
     profiles,
     refining,
-    route,
+    route_choice,
     spine_binding,
     spine_housekeeping,
     strokes,
@@ -35,7 +35,7 @@ def start() -> None:
     if not node_group.exists():
         return
     with runtime.quiet():
-        route.choose()
+        route_choice.choose()
         housekeeping.remove_orphans()
         found, bodies = housekeeping.characters(), spine_housekeeping.bodies()
         housekeeping.give_own_carriers(found)

@@ -6,7 +6,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import runtime
-from ..live import housekeeping, measuring, push, route, sampling
+from ..live import housekeeping, measuring, push, route_choice, sampling
 from ..messages import message, of_error, translated
 from ..scene import modifier_places, node_group, obstacles, stack
 from .polling import in_edit_mode, is_allowed, linked
@@ -32,7 +32,7 @@ class OBJECT_OT_turgor_volume_add(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         added: list[bpy.types.Object] = []
         with runtime.quiet():
-            route.choose()
+            route_choice.choose()
             for ob in sorted({context.object, *context.selected_objects} - {None}, key=lambda ob: ob.name):
                 if ob.type != "MESH":
                     continue

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..properties.several import edited_joints
+from ..properties.selected_joints import edited_joints
 
 # Panels that show a character which is not the active object hand it on by this name.
 CONTEXT_MEMBER = "turgor_character"

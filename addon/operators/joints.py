@@ -9,7 +9,7 @@ from bpy.props import EnumProperty
 from ..live import joint_edits
 from ..messages import message, of_error, translated
 from ..properties.joint_names import bone_of
-from ..properties.several import edited_joints
+from ..properties.selected_joints import edited_joints
 from ..scene import bone_choice, stack
 from .character import character_of
 from .polling import is_allowed, linked, without_volume

@@ -6,7 +6,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import runtime
-from ..live import push, route, spine_binding, spine_housekeeping
+from ..live import push, route_choice, spine_binding, spine_housekeeping
 from ..messages import message, of_error, translated
 from ..properties.spine import DATA_VERSION
 from ..scene import modifier_places, spine_chain, spine_stack
@@ -33,7 +33,7 @@ class OBJECT_OT_turgor_spine_add(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         body = _body(context)
         with runtime.quiet():
-            route.choose()
+            route_choice.choose()
             _choose_spine(context, body)
             try:
                 spine_housekeeping.add(body)

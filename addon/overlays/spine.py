@@ -16,7 +16,7 @@ from ..properties.saved import spine_settings
 from ..states import SpineState
 
 if TYPE_CHECKING:
-    from ..logic.sketch import Sketch
+    from ..logic.spine_sketch import Sketch
 
 REST_COLOR = (0.55, 0.55, 0.6, 0.8)
 SPINE_COLOR = (1.0, 0.62, 0.2, 1.0)

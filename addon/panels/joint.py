@@ -8,7 +8,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from ..properties.joint import TurgorJoint
 from ..properties.joint_names import label
 from ..properties.saved import volume_settings
-from ..properties.several import TurgorSeveral
+from ..properties.selected_joints import TurgorSelectedJoints
 from .joint_presets import TURGOR_PT_joint_presets
 
 
@@ -36,7 +36,7 @@ def draw_joint(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
     _draw_silence(column, ob, joint)
 
 
-def edited_settings(ob: bpy.types.Object, joint: TurgorJoint) -> tuple[TurgorJoint | TurgorSeveral, str]:
+def edited_settings(ob: bpy.types.Object, joint: TurgorJoint) -> tuple[TurgorJoint | TurgorSelectedJoints, str]:
     """What sliders change, and its title: the active joint, or with others selected all of them.
 
     Joints of a library override are edited one by one: what stands for several is not saved, so not overridden.

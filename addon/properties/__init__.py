@@ -11,7 +11,7 @@ from .joint import TurgorJoint
 from .preferences import TurgorPreferences
 from .profiles import TurgorProfiles
 from .refine import TurgorRefine
-from .several import TurgorSeveral
+from .selected_joints import TurgorSelectedJoints
 from .spine import TurgorSpine
 from .tagging import OVERRIDABLE
 
@@ -20,7 +20,7 @@ CLASSES = (
     TurgorCarrier,
     TurgorProfiles,
     TurgorJoint,
-    TurgorSeveral,
+    TurgorSelectedJoints,
     TurgorDisplay,
     TurgorRefine,
     TurgorObject,

@@ -17,7 +17,7 @@ from .display import TurgorDisplay
 from .joint import TurgorJoint
 from .profiles import ProfileHooks
 from .refine import TurgorRefine
-from .several import TurgorSeveral
+from .selected_joints import TurgorSelectedJoints
 from .tagging import OVERRIDABLE, tag
 
 # Version of the saved settings; `migrations` brings older files up to it.
@@ -40,7 +40,7 @@ class TurgorObject(bpy.types.PropertyGroup):
     version: IntProperty(override=OVERRIDABLE, options={"HIDDEN"})
     joints: CollectionProperty(type=TurgorJoint, override=OVERRIDABLE | {"USE_INSERTION"})
     active_joint: IntProperty(name="Active Joint", update=_show_joint, options={"HIDDEN"})
-    several: PointerProperty(type=TurgorSeveral)
+    several: PointerProperty(type=TurgorSelectedJoints)
     solver: EnumProperty(
         name="Solver",
         description="How the joints share the work",

@@ -14,10 +14,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from . import pose_samples, rest
-
-# What they show follows from all frames before, and they would write caches of the original.
-SIMULATIONS = frozenset({"CLOTH", "SOFT_BODY", "FLUID", "DYNAMIC_PAINT", "PARTICLE_SYSTEM", "PARTICLE_INSTANCE"})
+from . import pose_samples, rest, stack
 
 
 class Doubles:
@@ -80,5 +77,5 @@ def after(ob: bpy.types.Object, last: str | None) -> list[str]:
 
 
 def simulations(ob: bpy.types.Object) -> list[str]:
-    """Names of modifiers that simulate."""
-    return [modifier.name for modifier in ob.modifiers if modifier.type in SIMULATIONS]
+    """Names of modifiers that simulate, which would write caches of the original."""
+    return [modifier.name for modifier in ob.modifiers if modifier.type in stack.SIMULATED_TYPES]

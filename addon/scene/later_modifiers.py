@@ -36,7 +36,7 @@ def later(ob: bpy.types.Object) -> list[bpy.types.Modifier]:
         return []
     modifiers = list(ob.modifiers)
     following = modifiers[modifiers.index(ours) + 1 :]
-    return [each for each in following if stack.is_on(each) and each.type not in doubles.SIMULATIONS]
+    return [each for each in following if stack.is_on(each) and each.type not in stack.SIMULATED_TYPES]
 
 
 def is_whole(ob: bpy.types.Object) -> bool:

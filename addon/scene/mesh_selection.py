@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-# Twins within this part of the mesh's size are one point; the engine's own tolerance.
+# Coincident: vertices within this part of the mesh's size, which are one point; the engine's own tolerance.
 WELD_TOLERANCE = 1e-6
 # Blender leaves vertices alone whose weights sum to less.
 LEAST_SUM = 1e-4
@@ -92,8 +92,8 @@ def turn_faces(mesh: bpy.types.Mesh, faces: NDArray[np.intp]) -> None:
 def _welded(edited: bmesh.types.BMesh) -> list[int]:
     corners = np.array([vertex.co for vertex in edited.verts]).reshape(-1, 3)
     size = float(np.linalg.norm(np.ptp(corners, axis=0))) if len(corners) else 0.0
-    twins = bmesh.ops.find_doubles(edited, verts=edited.verts[:], dist=WELD_TOLERANCE * size)["targetmap"]
-    return [twins.get(vertex, vertex).index for vertex in edited.verts]
+    coincident = bmesh.ops.find_doubles(edited, verts=edited.verts[:], dist=WELD_TOLERANCE * size)["targetmap"]
+    return [coincident.get(vertex, vertex).index for vertex in edited.verts]
 
 
 def _deselect(edited: bmesh.types.BMesh) -> None:

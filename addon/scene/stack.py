@@ -21,6 +21,8 @@ MOVING_NODES = frozenset(
     " GeometryNodeInputActiveCamera GeometryNodeSelfObject".split()
 )
 SIMULATION_TYPES = frozenset("CLOTH DYNAMIC_PAINT EXPLODE FLUID PARTICLE_INSTANCE SOFT_BODY".split())
+# Particles leave the mesh alone, but are simulated too.
+SIMULATED_TYPES = SIMULATION_TYPES | {"PARTICLE_SYSTEM"}
 SIMULATION_NODES = frozenset("GeometryNodeSimulationInput GeometryNodeXPBDSolver GeometryNodeBake".split())
 # Of modifiers by their names: settings, or identifiers of inputs.
 Animated = Mapping[str, frozenset[str]]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from . import rest, shape_keys
 
 # Vertices this part of the body's size apart are at the same place.
-TWIN = 1e-5
+SAME_VERTEX = 1e-5
 # Bones with ends closer than this part of their length lie in the same place.
 SAME_PLACE = 1e-4
 
@@ -51,7 +51,7 @@ def read_target(ob: bpy.types.Object) -> Target:
     return Target(
         surface,
         body,
-        _twins(surface, body),
+        _same_vertices(surface, body),
         tuple(ob.vertex_groups.keys()),
         frozenset(group.name for group in ob.vertex_groups if group.lock_weight),
         *(rest.read_weights(mesh) if ob.vertex_groups else _no_weights(mesh)),
@@ -190,7 +190,7 @@ def _surfaces(ob: bpy.types.Object) -> tuple[Faces, Faces | None]:
     return made, None
 
 
-def _twins(surface: Faces, body: Faces | None) -> NDArray[np.int32]:
+def _same_vertices(surface: Faces, body: Faces | None) -> NDArray[np.int32]:
     if body is None or not len(body.positions):
         return np.full(len(surface.positions), -1, np.int32)
     tree = KDTree(len(body.positions))
@@ -200,7 +200,7 @@ def _twins(surface: Faces, body: Faces | None) -> NDArray[np.int32]:
     nearest = np.array([tree.find(place)[1] for place in surface.positions.tolist()], np.int32)
     size = float(np.linalg.norm(np.ptp(body.positions, axis=0)))
     far = np.linalg.norm(surface.positions - body.positions[nearest], axis=1)
-    return np.where(far <= TWIN * size, nearest, np.int32(-1))
+    return np.where(far <= SAME_VERTEX * size, nearest, np.int32(-1))
 
 
 def _faces(ob: bpy.types.Object, mesh: bpy.types.Mesh) -> Faces:

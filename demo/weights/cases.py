@@ -148,12 +148,12 @@ def broken_faces() -> Shape:
 def split_apart() -> Case:
     """A limb whose faces have points of their own: seams that must not open."""
     shape = arm().split()
-    _, twin = np.unique(shape.points.round(9), axis=0, return_inverse=True)
+    _, place = np.unique(shape.points.round(9), axis=0, return_inverse=True)
 
     def law(weights: Weights, places: Points, bones: Mapping[str, int]) -> bool:
-        low, high = (np.full((twin.max() + 1, weights.shape[1]), start) for start in (np.inf, -np.inf))
-        np.minimum.at(low, twin.ravel(), weights)
-        np.maximum.at(high, twin.ravel(), weights)
+        low, high = (np.full((place.max() + 1, weights.shape[1]), start) for start in (np.inf, -np.inf))
+        np.minimum.at(low, place.ravel(), weights)
+        np.maximum.at(high, place.ravel(), weights)
         return bool((high - low < 1e-3).all()) and follows_arm(weights, places, bones)
 
     return Case("faces split apart", [shape], ARM, law)

@@ -15,7 +15,7 @@ ROOMS = (
     "surface",
     "cores",
     "skinning",
-    "losses",
+    "volume_losses",
     "fields",
     "folds",
     "spine",

@@ -46,7 +46,7 @@ def warnings_logged(caplog: pytest.LogCaptureFixture):
 @pytest.fixture(params=["PULL", "PUSH"])
 def route(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, addon: ModuleType) -> str:
     """Runs a test on both routes, forced as by the preference."""
-    module = importlib.import_module("addon.live.route")
+    module = importlib.import_module("addon.live.route_choice")
     monkeypatch.setattr(module, "preference", lambda: request.param)
     return request.param
 

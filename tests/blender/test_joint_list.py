@@ -218,7 +218,7 @@ def test_several_is_seen_and_has_no_keys(sided, route):
 
 def test_several_has_the_look_of_one(sided):
     one, several = sided.turgor.joints[0].bl_rna.properties, sided.turgor.several.bl_rna.properties
-    names = importlib.import_module("addon.properties.several").NAMES
+    names = importlib.import_module("addon.properties.selected_joints").NAMES
     for name in names:
         for look in ("name", "description", "type", "subtype"):
             assert getattr(one[name], look) == getattr(several[name], look)

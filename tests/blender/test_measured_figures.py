@@ -65,7 +65,7 @@ def test_other_vertices_are_not_measured(runtime):
 def test_a_wrong_mesh_cannot_hide_behind_the_solver(runtime, monkeypatch):
     """The engine believes that it has succeeded; what it wrote is lost on the way."""
     ob, rest = _prepared()
-    kinds = importlib.import_module("addon.live.kinds")
+    frame_by_kind = importlib.import_module("addon.live.frame_by_kind")
     live = importlib.import_module("addon.live.frame")
 
     def lossy(target: bpy.types.Object, address: int, vertex_count: int) -> bool:
@@ -73,7 +73,7 @@ def test_a_wrong_mesh_cannot_hide_behind_the_solver(runtime, monkeypatch):
         live.correct(target, room.ctypes.data, vertex_count)
         return False
 
-    monkeypatch.setitem(kinds.FRAMES, "VOLUME", lossy)
+    monkeypatch.setitem(frame_by_kind.FRAMES, "VOLUME", lossy)
     bpy.context.scene.frame_set(FRAME + 1)
     figures = runtime.character(ob.session_uid).figures
     assert abs(figures.corrected_deviation) < 1e-9

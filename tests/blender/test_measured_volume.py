@@ -34,7 +34,7 @@ def _edit_node_group(ob: bpy.types.Object) -> None:
 
 def _lose_offsets(ob: bpy.types.Object, monkeypatch: pytest.MonkeyPatch) -> None:
     """Another writer wins: what the engine computed never reaches the carrier."""
-    kinds = importlib.import_module("addon.live.kinds")
+    frame_by_kind = importlib.import_module("addon.live.frame_by_kind")
     live = importlib.import_module("addon.live.frame")
 
     def lossy(target: bpy.types.Object, address: int, vertex_count: int) -> bool:
@@ -42,7 +42,7 @@ def _lose_offsets(ob: bpy.types.Object, monkeypatch: pytest.MonkeyPatch) -> None
         live.correct(target, room.ctypes.data, vertex_count)
         return False
 
-    monkeypatch.setitem(kinds.FRAMES, "VOLUME", lossy)
+    monkeypatch.setitem(frame_by_kind.FRAMES, "VOLUME", lossy)
 
 
 def _move_by_handler(ob: bpy.types.Object, monkeypatch: pytest.MonkeyPatch) -> None:

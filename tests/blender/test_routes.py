@@ -14,7 +14,7 @@ FRAME = 15
 
 @pytest.fixture
 def route_module(addon):
-    return importlib.import_module("addon.live.route")
+    return importlib.import_module("addon.live.route_choice")
 
 
 def test_self_test_passes_and_leaves_nothing(route_module):

@@ -30,16 +30,16 @@ def test_split_seams_are_welded(seed: int):
     assert mesh.volume(split.positions) == pytest.approx(whole.mesh().volume(whole.positions), rel=1e-13)
 
 
-def test_twins_share_the_gradient_of_their_point():
+def test_coincident_vertices_share_the_gradient_of_their_point():
     whole = tube()
     split = whole.split_apart()
     gradient = split.mesh().volume_gradient(split.positions)
-    twins = np.bincount(whole.face_corners)
-    shared = whole.mesh().volume_gradient(whole.positions) / twins[:, None]
+    counts = np.bincount(whole.face_corners)
+    shared = whole.mesh().volume_gradient(whole.positions) / counts[:, None]
     np.testing.assert_allclose(gradient, shared[whole.face_corners], atol=1e-14)
 
 
-def test_surface_passes_through_the_mean_of_twins():
+def test_surface_passes_through_the_mean_of_coincident_vertices():
     whole, split = tube(), tube().split_apart()
     rng = np.random.default_rng(7)
     torn = split.positions + rng.uniform(-0.05, 0.05, split.positions.shape)

@@ -103,7 +103,7 @@ def test_split_seams(seed: int, mode: Mode):
 
 
 @given(seeds)
-def test_twins_with_different_weights_receive_the_same_correction(seed: int):
+def test_coincident_vertices_with_different_weights_receive_the_same_correction(seed: int):
     rng = np.random.default_rng(seed)
     whole = tube(33, 12)
     rig = careless(chain(whole.split_apart(), 3), rng)
@@ -111,8 +111,8 @@ def test_twins_with_different_weights_receive_the_same_correction(seed: int):
     assert frame.report.relative_error <= EXACT
     assert frame.report.seam_gap > 0.0
     correction = frame.positions - frame.skinned
-    first_twin = np.unique(whole.face_corners, return_index=True)[1]
-    np.testing.assert_allclose(correction, correction[first_twin][whole.face_corners], atol=1e-12)
+    first = np.unique(whole.face_corners, return_index=True)[1]
+    np.testing.assert_allclose(correction, correction[first][whole.face_corners], atol=1e-12)
 
 
 @given(seeds, modes)

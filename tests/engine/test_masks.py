@@ -136,7 +136,7 @@ def test_all_pinned_is_plain_skinning(seed: int, solver):
 
 
 @given(seeds, modes, solvers)
-def test_twins_move_alike_by_the_smallest_of_their_masks(seed: int, mode, solver):
+def test_coincident_vertices_move_alike_by_the_smallest_of_their_masks(seed: int, mode, solver):
     rng = np.random.default_rng(seed)
     whole = tube(33, 12)
     rig = careless(chain(whole.split_apart(), 3), rng)
@@ -147,8 +147,8 @@ def test_twins_move_alike_by_the_smallest_of_their_masks(seed: int, mode, solver
     pose = rig.random_pose(rng, 0.8)
     body = rig.body(mode, solver=solver)
     frame = body.with_mask(mask).deform(pose)
-    first_twin = np.unique(whole.face_corners, return_index=True)[1]
-    assert np.array_equal(frame.offsets, frame.offsets[first_twin][whole.face_corners])
+    first = np.unique(whole.face_corners, return_index=True)[1]
+    assert np.array_equal(frame.offsets, frame.offsets[first][whole.face_corners])
     assert np.array_equal(frame.positions, body.with_mask(least[whole.face_corners]).deform(pose).positions)
     assert_kept(rig, least[whole.face_corners], frame)
 

@@ -25,7 +25,7 @@ MEASURED = 1e-10
 
 @st.composite
 def surfaces(draw: st.DrawFn) -> Surface:
-    """Shells that share points, twins along seams, or anything that nobody wants."""
+    """Shells that share points, coincident vertices along seams, or anything that nobody wants."""
     rng = np.random.default_rng(draw(seeds))
     kind = draw(st.sampled_from(["shared", "seams", "shared and a tube", "nasty"]))
     if kind == "shared":
@@ -38,7 +38,7 @@ def surfaces(draw: st.DrawFn) -> Surface:
 
 
 def careless_rig(surface: Surface, rng: np.random.Generator) -> Rig:
-    """Three bones; twins at one place may be held by different ones, and some vertices by none."""
+    """Three bones; vertices at one place may be held by different ones, and some vertices by none."""
     rig = chain(surface, 3)
     weights = rig.weights * rng.choice([1.0, 1.0, rng.random()], (len(rig.weights), 1))
     bones = np.where(rng.random((len(rig.bones), 1)) < 0.1, rig.bones[:, ::-1], rig.bones)
@@ -121,7 +121,7 @@ def test_figures_are_those_of_the_positions(seed: int, surface: Surface, mode: M
     frame = body.deform(pose, object_from_armature=place, target_scale=1.1)
     size = max(1.0, float(np.abs(frame.skinned).max(initial=0.0)))
     assert np.abs(frame.positions - frame.skinned - frame.offsets).max(initial=0.0) <= 1e-6 * size
-    # Where skinning opened a seam, what is measured is the surface between the twins.
+    # Where skinning opened a seam, what is measured is the surface between its sides.
     if frame.report.seam_gap > 0.0:
         return
     sound = np.array([component.is_sound for component in mesh.components], bool)

@@ -11,8 +11,6 @@ use crate::fields::joint::{Fields, Joint};
 use crate::fields::normals::even_normals;
 use crate::fields::supports::{Supports, automatic_lengths};
 use crate::folds::Skin;
-use crate::losses::job::{Anatomy, FaceJoints};
-use crate::losses::plan::LossPlan;
 use crate::numeric::csr::Csr;
 use crate::numeric::lanes::{self, V4};
 use crate::skinning::bases::bases;
@@ -25,6 +23,8 @@ use crate::skinning::sites::Sites;
 use crate::surface::patches::{NO_SLOT, Patches};
 use crate::surface::topology::{Component, Topology};
 use crate::surface::volume::face_area_vector;
+use crate::volume_losses::job::{Anatomy, FaceJoints};
+use crate::volume_losses::plan::LossPlan;
 
 /// A mesh bound to its weights.
 pub(crate) struct Binding {
@@ -230,7 +230,7 @@ impl Binding {
         self.armature_from_rest.transform_point3(lanes::to(self.sites.mean(slot, |site| self.sites.rest[site])))
     }
 
-    /// Vertices of the point in each slot: its twins.
+    /// Vertices of the point in each slot, which coincide.
     pub fn vertices_of_slot(&self) -> &Csr<u32> {
         self.vertices_of_slot.get_or_init(|| {
             let in_slots: Vec<(u32, u32)> = self.slot_of_vertex.iter().copied().zip(0..).filter(|(slot, _)| *slot != NO_SLOT).collect();
@@ -248,9 +248,9 @@ impl Binding {
         let slots = self.patches.slot_of_point.iter();
         let mut points: Vec<DVec3> =
             slots.map(|&slot| if slot == NO_SLOT { DVec3::ZERO } else { lanes::to(of_slot(slot as usize)) }).collect();
-        for twins in self.unsound.chunk_by(|a, b| a.0 == b.0) {
-            let sum: DVec3 = twins.iter().map(|&(_, vertex)| lanes::to(of_vertex(vertex as usize))).sum();
-            points[twins[0].0 as usize] = sum / twins.len() as f64;
+        for coincident in self.unsound.chunk_by(|a, b| a.0 == b.0) {
+            let sum: DVec3 = coincident.iter().map(|&(_, vertex)| lanes::to(of_vertex(vertex as usize))).sum();
+            points[coincident[0].0 as usize] = sum / coincident.len() as f64;
         }
         points
     }
@@ -352,8 +352,8 @@ fn vertex_areas(topology: &Topology, rest: &[DVec3]) -> Vec<f64> {
             of_point[point as usize] += part;
         }
     }
-    let twins = |point: u32| topology.vertices_of_point.row(point as usize).len() as f64;
-    topology.point_of_vertex.iter().map(|&point| of_point[point as usize] / twins(point)).collect()
+    let count = |point: u32| topology.vertices_of_point.row(point as usize).len() as f64;
+    topology.point_of_vertex.iter().map(|&point| of_point[point as usize] / count(point)).collect()
 }
 
 fn masses(influences: &Influences, rest: &[DVec3], world: usize) -> Vec<(f64, DVec3)> {

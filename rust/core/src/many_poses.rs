@@ -82,7 +82,7 @@ impl VolumeSkin {
         workspaces: &Workspaces,
         work: impl Fn(usize, &mut Workspace, &mut Vec<[f32; 3]>) -> Result<T> + Sync,
     ) -> Result<Vec<T>> {
-        let first = workspaces.take(self);
+        let first = workspaces.borrow(self);
         let at_once = (MEMORY_MAX / first.memory_bytes().max(1)).max(1);
         let spare = Mutex::new(Some(first));
         let (next, begun, is_refused) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicBool::new(false));
@@ -96,19 +96,19 @@ impl VolumeSkin {
                 let Some(result) = results.get(frame) else { break };
                 let (workspace, offsets) = buffers.get_or_insert_with(|| {
                     let spare = locked(&spare).take();
-                    (spare.unwrap_or_else(|| workspaces.take(self)), Vec::new())
+                    (spare.unwrap_or_else(|| workspaces.borrow(self)), Vec::new())
                 });
                 let outcome = work(frame, workspace, offsets);
                 is_refused.fetch_or(outcome.is_err(), Ordering::Relaxed);
                 result.get_or_init(|| outcome);
             }
             if let Some((workspace, _)) = buffers {
-                workspaces.give_back(workspace);
+                workspaces.release(workspace);
             }
         };
         crew::with_helpers(at_once.min(frame_count).saturating_sub(1), || crew::share(&compute));
         if let Some(unused) = spare.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            workspaces.give_back(unused);
+            workspaces.release(unused);
         }
         // Frames are begun in order: those before the first refused one are all there.
         let mut finished = Vec::with_capacity(frame_count);

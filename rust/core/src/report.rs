@@ -20,7 +20,7 @@ pub struct Report {
     pub joint_displacements: Vec<f64>,
     /// Per joint, whether part of its volume went to a wider field.
     pub joint_is_capped: Vec<bool>,
-    /// Largest distance between skinned twins of one point, object space.
+    /// Largest distance between skinned vertices of one point, object space.
     pub seam_gap: f64,
     /// Largest correction of a vertex, object space.
     pub max_displacement: f64,

@@ -162,7 +162,7 @@ impl VolumeSkin {
             return Err(Error::VertexCount { found: offsets.len(), bound });
         }
         self.with_helpers(|| {
-            workspace.take(&self.binding, pose, self.options.keep_bone_scale)?;
+            workspace.set_pose(&self.binding, pose, self.options.keep_bone_scale)?;
             self.correct(pose, workspace);
             workspace.write_offsets(&self.binding, offsets);
             Ok(&workspace.report)
@@ -172,7 +172,7 @@ impl VolumeSkin {
     /// The same, but for the largest displacement: writes skinned positions and `part` of the way to corrected.
     pub(crate) fn deform_to_positions(&self, pose: &Pose, part: f64, workspace: &mut Workspace, positions: &mut [[f32; 3]]) -> Result<()> {
         self.with_helpers(|| {
-            workspace.take(&self.binding, pose, self.options.keep_bone_scale)?;
+            workspace.set_pose(&self.binding, pose, self.options.keep_bone_scale)?;
             self.correct(pose, workspace);
             workspace.write_positions(&self.binding, part, positions);
             Ok(())
@@ -192,7 +192,7 @@ impl VolumeSkin {
     /// Skins and measures a pose, and leaves the volume as it is.
     pub(crate) fn skin_pose(&self, pose: &Pose, workspace: &mut Workspace) -> Result<()> {
         self.with_helpers(|| {
-            workspace.take(&self.binding, pose, self.options.keep_bone_scale)?;
+            workspace.set_pose(&self.binding, pose, self.options.keep_bone_scale)?;
             self.skin(pose, workspace);
             Ok(())
         })
@@ -222,9 +222,9 @@ impl VolumeSkin {
     fn correct(&self, pose: &Pose, workspace: &mut Workspace) {
         let (binding, supports, settings) = (&*self.binding, &*self.supports, &**self.joints);
         self.skin(pose, workspace);
-        workspace.give_back(binding, supports, settings);
+        workspace.correct_simultaneously(binding, supports, settings);
         if self.options.solver == Solver::Sequential {
-            workspace.give_back_in_order(binding, supports, settings);
+            workspace.correct_sequentially(binding, supports, settings);
         }
         workspace.remove_residual(binding, supports, settings);
         workspace.repair_folds(binding, supports, settings, pose.repair_folds);

@@ -16,14 +16,14 @@ pub struct Workspaces {
 }
 
 impl Workspaces {
-    /// One that waits, or a new one.
-    pub fn take(&self, skin: &VolumeSkin) -> Workspace {
+    /// One that waits, or a new one; to be released after the frame.
+    pub fn borrow(&self, skin: &VolumeSkin) -> Workspace {
         let idle = locked(&self.idle).pop();
         idle.unwrap_or_else(|| skin.workspace())
     }
 
     /// For the next frame.
-    pub fn give_back(&self, workspace: Workspace) {
+    pub fn release(&self, workspace: Workspace) {
         let mut idle = locked(&self.idle);
         if (idle.len() + 1) * workspace.memory_bytes() <= IDLE_MAX || idle.is_empty() {
             idle.push(workspace);

@@ -195,7 +195,7 @@ proptest! {
         prop_assert_eq!(&one, &body.positions(&workspace).1);
     }
 
-    /// Positions of many poses at once against each frame's own, with what another deformer adds, objects anywhere, twins at one
+    /// Positions of many poses at once against each frame's own, with what another deformer adds, objects anywhere, vertices at one
     /// place that are held differently.
     #[test]
     fn many_poses_give_the_bits_of_each_alone(turns in turns(5), shift in turn(), effect in 0.0..1.0, mode in modes(), is_split in any::<bool>(), is_added in any::<bool>()) {

@@ -52,9 +52,9 @@ impl VolumeSkin {
     /// Computes something in a workspace, without the interpreter.
     fn in_workspace<T: Send>(&self, py: Python<'_>, compute: impl FnOnce(&mut Workspace) -> turgor::Result<T> + Send) -> PyResult<T> {
         detached(py, || {
-            let mut workspace = self.workspaces.take(&self.inner);
+            let mut workspace = self.workspaces.borrow(&self.inner);
             let result = compute(&mut workspace);
-            self.workspaces.give_back(workspace);
+            self.workspaces.release(workspace);
             result
         })
     }

@@ -66,7 +66,7 @@ class Mesh:
     def component_volumes(self, positions: ArrayLike) -> NDArray[np.float64]:
         """(K,) signed volume per component; 0 for one that is not sound."""
     def volume_gradient(self, positions: ArrayLike) -> NDArray[np.float64]:
-        """(N, 3) derivative of `volume` by each vertex; twins of one point share its gradient."""
+        """(N, 3) derivative of `volume` by each vertex; coincident vertices share the gradient of their point."""
 
 @final
 class Component:
@@ -100,8 +100,8 @@ class Skeleton:
 
     parents: (B,) int32, index of the parent bone or -1; any order, no cycles.
     rest_matrices: (B, 4, 4), armature space; only heads (translations) steer the correction.
-    segments: (B,) whether a bone is a segment of its parent, as those of a bendy bone: together they are one body.
-    Where segments stand to each other is how their body bends, and no more meant than a turn.
+    segments: (B,) whether a bone is a segment of its parent, as those of a bendy bone: all of them are one
+    bone group. Where segments stand to each other is how their group bends, and no more meant than a turn.
     """
 
     def __new__(
@@ -259,7 +259,7 @@ class VolumeSkin:
         """The same binding and settings with another mask; very cheap, all else is shared.
 
         mask: (N,) float32 in 0..1, factor on the vertex's weight in every field; None: no mask. Only factors against
-        each other count, per component: one number everywhere is no mask. Twins of one point share the smallest of
+        each other count, per component: one number everywhere is no mask. Coincident vertices share the smallest of
         theirs. A vertex of 0 comes out exactly as skinned. The volume stays exact; a component of nothing but 0 stays
         as skinned, see `Report.component_is_pinned`. Where a mask leaves next to nothing of a joint's vicinity, the
         joint's volume goes to the whole shell, and the joint is reported as capped.
@@ -473,7 +473,7 @@ class Report:
         """(K,) the mask lets nothing of it move: it stays as skinned."""
     @property
     def seam_gap(self) -> float:
-        """Largest distance between skinned twins of one welded point, object space."""
+        """Largest distance between skinned vertices of one welded point, object space."""
     @property
     def max_displacement(self) -> float:
         """Largest |corrected - skinned|, object space."""

@@ -92,7 +92,7 @@ impl Chosen<'_> {
         let distance = |slot: u32| centres[slot as usize].distance(middle);
         let farthest = slots.iter().map(|&slot| distance(slot)).fold(0.0, f64::max);
         let ends: Vec<u32> = slots.iter().copied().filter(|&slot| distance(slot) >= farthest * (1.0 - TIE)).collect();
-        self.take(component, &ends, f64::INFINITY, &tree);
+        self.add_tied(component, &ends, f64::INFINITY, &tree);
         let mut far: BinaryHeap<Far> = slots.iter().map(|&slot| Far(self.left[slot as usize], slot)).collect();
         let mut ties = Vec::new();
         while let Some(Far(distance, slot)) = far.pop() {
@@ -111,13 +111,13 @@ impl Chosen<'_> {
                 let now = self.left[tied as usize];
                 if now < other { far.push(Far(now, tied)) } else { ties.push(tied) }
             }
-            self.take(component, &ties, distance, &tree);
+            self.add_tied(component, &ties, distance, &tree);
             far.extend(ties.iter().map(|&slot| Far(self.left[slot as usize], slot)));
         }
     }
 
     /// Makes cells of equally far places. No point is farther than `reach` from what cells there are.
-    fn take(&mut self, component: u32, ties: &[u32], reach: f64, tree: &PointTree) {
+    fn add_tied(&mut self, component: u32, ties: &[u32], reach: f64, tree: &PointTree) {
         let balls = self.balls;
         let thinnest = ties.iter().map(|&slot| balls.radii[slot as usize]).fold(f64::INFINITY, f64::min);
         let mut groups = vec![ties.to_vec()];

@@ -7,7 +7,7 @@ use crate::fields::joint::Shares;
 use crate::surface::measures;
 use crate::surface::mesh::Mesh;
 
-/// An axis whose hold is below this part of the whole hold cannot take its share.
+/// An axis whose capacity is below this part of the whole one cannot take its share.
 const HOLD_MIN: f64 = 1e-12;
 
 /// Volume that `correct` is to reach.
@@ -44,7 +44,7 @@ impl Mesh {
             .topology()
             .vertices_of_point
             .rows()
-            .map(|twins| twins.iter().map(|&v| gamma[v as usize]).sum::<f64>() / twins.len() as f64)
+            .map(|coincident| coincident.iter().map(|&v| gamma[v as usize]).sum::<f64>() / coincident.len() as f64)
             .collect();
         let mut solve = Solve::new(self, start.clone(), gamma);
         let changes = solve.changes(target)?;
@@ -83,14 +83,14 @@ impl<'a> Solve<'a> {
     }
 
     /// Σ γ f(g) over each component.
-    fn holds(&self, f: impl Fn(DVec3) -> f64) -> Vec<f64> {
-        let mut holds = vec![0.0; self.volumes.len()];
+    fn capacities(&self, f: impl Fn(DVec3) -> f64) -> Vec<f64> {
+        let mut capacities = vec![0.0; self.volumes.len()];
         for (point, gamma) in self.gamma.iter().enumerate() {
-            if let Some(hold) = holds.get_mut(self.mesh.topology().component_of_point[point] as usize) {
-                *hold += gamma * f(self.gradient[point]);
+            if let Some(capacity) = capacities.get_mut(self.mesh.topology().component_of_point[point] as usize) {
+                *capacity += gamma * f(self.gradient[point]);
             }
         }
-        holds
+        capacities
     }
 
     /// Volume each component is to gain.
@@ -111,23 +111,23 @@ impl<'a> Solve<'a> {
                     return Err(Error::NotFinite { what: "target_volume", row: 0 });
                 }
                 let change = total - self.volumes.iter().sum::<f64>();
-                let holds = self.holds(DVec3::length_squared);
-                let sum: f64 = holds.iter().sum();
+                let capacities = self.capacities(DVec3::length_squared);
+                let sum: f64 = capacities.iter().sum();
                 if sum > 0.0 {
-                    return Ok(holds.iter().map(|h| change * h / sum).collect());
+                    return Ok(capacities.iter().map(|h| change * h / sum).collect());
                 }
-                if change == 0.0 { Ok(vec![0.0; holds.len()]) } else { Err(Error::NothingToMove { component: 0, volume: change }) }
+                if change == 0.0 { Ok(vec![0.0; capacities.len()]) } else { Err(Error::NothingToMove { component: 0, volume: change }) }
             }
         }
     }
 
     /// Along γ∇V, by the exact cubic.
     fn free_step(&mut self, changes: &[f64]) -> Result<()> {
-        let holds = self.holds(DVec3::length_squared);
+        let capacities = self.capacities(DVec3::length_squared);
         let field: Vec<DVec3> = (0..self.points.len())
             .map(|point| {
                 let component = self.mesh.topology().component_of_point[point] as usize;
-                let scale = holds.get(component).filter(|h| **h > 0.0).map_or(0.0, |h| self.gamma[point] / h);
+                let scale = capacities.get(component).filter(|h| **h > 0.0).map_or(0.0, |h| self.gamma[point] / h);
                 self.gradient[point] * scale
             })
             .collect();
@@ -154,8 +154,8 @@ impl<'a> Solve<'a> {
 
     /// Along three directions, one after the other; V is linear in each.
     fn axis_steps(&mut self, changes: &[f64], axes: [DVec3; 3], shares: Shares) -> Result<()> {
-        let along = axes.map(|e| self.holds(|g| g.dot(e).powi(2)));
-        let free = self.holds(DVec3::length_squared);
+        let along = axes.map(|e| self.capacities(|g| g.dot(e).powi(2)));
+        let free = self.capacities(DVec3::length_squared);
         let parts: Vec<[f64; 3]> = (0..changes.len())
             .map(|c| {
                 let able: [bool; 3] = std::array::from_fn(|i| along[i][c] > HOLD_MIN * free[c]);
@@ -183,11 +183,11 @@ impl<'a> Solve<'a> {
                 continue;
             }
             self.update();
-            let holds = self.holds(|g| g.dot(e).powi(2));
+            let capacities = self.capacities(|g| g.dot(e).powi(2));
             let is_last = |c: usize| parts[c][axis + 1..].iter().all(|p| *p == 0.0);
             for point in 0..self.points.len() {
                 let component = self.mesh.topology().component_of_point[point] as usize;
-                let Some(&hold) = holds.get(component).filter(|h| **h > 0.0) else { continue };
+                let Some(&capacity) = capacities.get(component).filter(|h| **h > 0.0) else { continue };
                 let part = parts[component][axis];
                 if part == 0.0 {
                     continue;
@@ -195,7 +195,7 @@ impl<'a> Solve<'a> {
                 // The last axis takes what is left, so that rounding of the others does not stay.
                 let change = if is_last(component) { targets[component] - self.volumes[component] } else { changes[component] * part };
                 let slope = self.gradient[point].dot(e);
-                self.points[point] += e * (change * self.gamma[point] * slope / hold);
+                self.points[point] += e * (change * self.gamma[point] * slope / capacity);
             }
         }
         Ok(())

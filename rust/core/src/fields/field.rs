@@ -11,11 +11,11 @@ const FRAME_BEND: f64 = 0.2;
 const DISPLACEMENT_MAX: f64 = 0.08;
 /// Steepest slope of a displacement along the limb: folds finer than they are high would be teeth.
 const SLOPE_MAX: f64 = 0.8;
-/// An axis, or a profile, whose hold is below this part of the whole hold hands its share over, smoothly.
+/// An axis, or a profile, whose capacity is below this part of the whole one hands its share over, smoothly.
 const HOLD_MIN: f64 = 1e-3;
-/// A vicinity that holds less than this part of its shell holds nothing.
+/// A vicinity whose capacity is less than this part of its shell's counts as none.
 const SHELL_PART_MIN: f64 = 1e-9;
-/// Where a mask leaves less than this part of a vicinity's hold, volume goes to the whole shell, smoothly: pinned skin
+/// Where a mask leaves less than this part of a vicinity's capacity, volume goes to the whole shell, smoothly: pinned skin
 /// cannot take it, and the little that is left should not take all.
 const FREE_PART_MIN: f64 = 0.05;
 /// Losses below this part of the vicinity's volume are rounding.
@@ -81,13 +81,13 @@ impl FieldFrame {
     }
 
     /// Parts of the volume for e0, e1, e2 and the frame-free rest, each solved on the mesh so far.
-    pub fn ordered_shares(&self, hold: &Hold) -> [f64; 4] {
-        let total: f64 = hold.along.iter().sum();
+    pub fn ordered_shares(&self, capacity: &Capacity) -> [f64; 4] {
+        let total: f64 = capacity.along.iter().sum();
         if total <= 0.0 {
             return [0.0, 0.0, 0.0, 1.0];
         }
         let part = self.frame_part;
-        let along = |axis: usize| (self.shares.axes[axis] + self.shares.automatic * (hold.along[axis] / total)) * part;
+        let along = |axis: usize| (self.shares.axes[axis] + self.shares.automatic * (capacity.along[axis] / total)) * part;
         [along(0), along(1), along(2), 1.0 - part]
     }
 
@@ -115,7 +115,7 @@ impl FieldFrame {
 
 /// What a field could do: per unit of coefficient, the volume it adds and the most it moves a point.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Hold {
+pub(crate) struct Capacity {
     pub along: [f64; 3],
     pub bell: f64,
     pub all: f64,
@@ -126,7 +126,7 @@ pub(crate) struct Hold {
     pub all_most: f64,
 }
 
-impl Hold {
+impl Capacity {
     /// Part of the volume that stays in the vicinity; 1 without a mask.
     fn free_part(&self) -> f64 {
         let free = (self.all / (FREE_PART_MIN * self.unmasked)).min(1.0);
@@ -163,9 +163,9 @@ pub(crate) struct Field {
 
 impl Field {
     /// The field that adds `volume`, shaped as far as the cap on displacements allows. What it leaves (`volume` minus
-    /// the field's own) is for a wider one: that of the whole shell, whose hold is `shell`.
-    pub fn new(frame: &FieldFrame, hold: &Hold, shell: f64, volume: f64) -> Self {
-        let field = Self::shaped(frame, hold, shell, volume);
+    /// the field's own) is for a wider one: that of the whole shell, whose capacity is `shell`.
+    pub fn new(frame: &FieldFrame, capacity: &Capacity, shell: f64, volume: f64) -> Self {
+        let field = Self::shaped(frame, capacity, shell, volume);
         if field.is_usable() { field } else { Self { shaped: DMat3::ZERO, is_capped: true, ..Self::default() } }
     }
 
@@ -175,55 +175,55 @@ impl Field {
         coefficients.iter().chain([&self.bell, &self.all, &self.volume]).all(|c| c.abs() < f64::from(f32::MAX))
     }
 
-    fn shaped(frame: &FieldFrame, hold: &Hold, shell: f64, volume: f64) -> Self {
+    fn shaped(frame: &FieldFrame, capacity: &Capacity, shell: f64, volume: f64) -> Self {
         let mut field = Self { shaped: DMat3::ZERO, ..Self::default() };
-        let free = hold.free_part();
+        let free = capacity.free_part();
         let is_rounding = volume.abs() * frame.inverse_length.powi(3) <= ROUNDING * VICINITY_VOLUME;
-        let is_masked = hold.all < hold.unmasked && shell > 0.0 && !is_rounding;
+        let is_masked = capacity.all < capacity.unmasked && shell > 0.0 && !is_rounding;
         let trust = |part: f64, whole: f64| part * part / (part * part + (HOLD_MIN * whole).powi(2));
-        let total: f64 = hold.along.iter().sum();
-        let own_hold = if frame.frame_part > 0.5 { total } else { hold.bell };
+        let total: f64 = capacity.along.iter().sum();
+        let own_capacity = if frame.frame_part > 0.5 { total } else { capacity.bell };
         // A profile that a mask has taken away is as good as too narrow.
-        field.is_capped = is_masked && (free < 1.0 || trust(own_hold, hold.all) < 0.5);
+        field.is_capped = is_masked && (free < 1.0 || trust(own_capacity, capacity.all) < 0.5);
         let volume = volume * free;
-        if hold.all <= SHELL_PART_MIN * shell || hold.all <= 0.0 {
+        if capacity.all <= SHELL_PART_MIN * shell || capacity.all <= 0.0 {
             return field;
         }
         let most = frame.displacement_max;
         if frame.frame_part > 0.0 && total > 0.0 {
-            let wanted = volume * frame.frame_part * trust(total, hold.all);
+            let wanted = volume * frame.frame_part * trust(total, capacity.all);
             let shares = frame.shares.axes;
-            let trusted: [f64; 3] = std::array::from_fn(|i| trust(hold.along[i], total));
-            // The automatic share goes to all axes by what they hold, and so does what an axis that hardly holds cannot take.
+            let trusted: [f64; 3] = std::array::from_fn(|i| trust(capacity.along[i], total));
+            // The automatic share goes to all axes by their capacity, and so does what an axis that hardly has any cannot take.
             let missing: f64 = shares.iter().zip(trusted).map(|(share, trusted)| share * (1.0 - trusted)).sum();
-            let by_hold = (missing + frame.shares.automatic) / total;
+            let by_capacity = (missing + frame.shares.automatic) / total;
             let alpha: [f64; 3] = std::array::from_fn(|i| {
-                let own = if hold.along[i] > 0.0 { shares[i] * trusted[i] / hold.along[i] } else { 0.0 };
-                wanted * (own + by_hold)
+                let own = if capacity.along[i] > 0.0 { shares[i] * trusted[i] / capacity.along[i] } else { 0.0 };
+                wanted * (own + by_capacity)
             });
-            let bound = (0..3).map(|i| (alpha[i] * hold.along_most[i]).powi(2)).sum::<f64>().sqrt();
+            let bound = (0..3).map(|i| (alpha[i] * capacity.along_most[i]).powi(2)).sum::<f64>().sqrt();
             let kept = part_within(most, bound);
             field.is_capped |= kept < 1.0;
             field.displacement += kept * bound;
-            field.volume += kept * (0..3).map(|i| alpha[i] * hold.along[i]).sum::<f64>();
+            field.volume += kept * (0..3).map(|i| alpha[i] * capacity.along[i]).sum::<f64>();
             for (e, a) in frame.axes.iter().zip(alpha) {
                 field.shaped += DMat3::from_cols(*e * e.x, *e * e.y, *e * e.z) * (a * kept);
             }
         }
-        if hold.bell > 0.0 {
-            let wanted = volume * (1.0 - frame.frame_part) * trust(hold.bell, hold.all);
-            let bound = (wanted / hold.bell * hold.bell_most).abs();
+        if capacity.bell > 0.0 {
+            let wanted = volume * (1.0 - frame.frame_part) * trust(capacity.bell, capacity.all);
+            let bound = (wanted / capacity.bell * capacity.bell_most).abs();
             let kept = part_within(most, bound);
             field.is_capped |= kept < 1.0;
             field.displacement += kept * bound;
-            field.bell = kept * wanted / hold.bell;
+            field.bell = kept * wanted / capacity.bell;
             field.volume += kept * wanted;
         }
         let wanted = volume - field.volume;
-        let bound = (wanted / hold.all * hold.all_most).abs();
+        let bound = (wanted / capacity.all * capacity.all_most).abs();
         let kept = part_within(most, bound);
         field.displacement += kept * bound;
-        field.all = kept * wanted / hold.all;
+        field.all = kept * wanted / capacity.all;
         field.volume += kept * wanted;
         field
     }

@@ -8,7 +8,7 @@ use fearless_simd::{Level, Simd, dispatch, f32x4, f32x8};
 use crate::fields::field::{Field, FieldFrame};
 use crate::fields::profile_weights::{Bell, Heights, NO_HEIGHTS};
 use crate::fields::supports::Support;
-use crate::numeric::block_rows::{Block, Held, LANES, PATCH_POINTS};
+use crate::numeric::block_rows::{Block, LANES, PATCH_POINTS, Present};
 use crate::numeric::lanes::{larger, rows};
 use crate::surface::patches::Rows;
 
@@ -116,7 +116,7 @@ fn bell_sums_by_lanes<S: Simd>(
     let none = f32x8::splat(simd, 0.0);
     let (mut sum, mut most) = (none, none);
     let (mut bell_sum, mut bell_most) = (none, none);
-    for ((number, weights), heights) in support.held.numbered(support.weights).zip(heights) {
+    for ((number, weights), heights) in support.present.numbered(support.weights).zip(heights) {
         let (volume, length) = (f32x8::simd_from(simd, volumes[number]), f32x8::simd_from(simd, lengths[number]));
         let all = f32x8::simd_from(simd, *weights);
         let round = bell.times(simd, weights, number);
@@ -130,16 +130,16 @@ fn bell_sums_by_lanes<S: Simd>(
 }
 
 /// Σ w·v and the largest w·l.
-pub(crate) fn sum_and_most(held: Held, weights: &[Block<f32>], volumes: &Row, lengths: &Row) -> (f64, f64) {
-    dispatch!(Level::new(), simd => sum_and_most_by_lanes(simd, held, weights, volumes, lengths))
+pub(crate) fn sum_and_most(present: Present, weights: &[Block<f32>], volumes: &Row, lengths: &Row) -> (f64, f64) {
+    dispatch!(Level::new(), simd => sum_and_most_by_lanes(simd, present, weights, volumes, lengths))
 }
 
 #[inline(always)]
-fn sum_and_most_by_lanes<S: Simd>(simd: S, held: Held, weights: &[Block<f32>], volumes: &Row, lengths: &Row) -> (f64, f64) {
+fn sum_and_most_by_lanes<S: Simd>(simd: S, present: Present, weights: &[Block<f32>], volumes: &Row, lengths: &Row) -> (f64, f64) {
     let none = f32x8::splat(simd, 0.0);
     let (mut sum, mut most) = (none, none);
     let (volumes, lengths) = (volumes.as_chunks::<LANES>().0, lengths.as_chunks::<LANES>().0);
-    for (number, weights) in held.numbered(weights) {
+    for (number, weights) in present.numbered(weights) {
         let weights = f32x8::simd_from(simd, *weights);
         sum += weights * f32x8::simd_from(simd, volumes[number]);
         most = larger(weights * f32x8::simd_from(simd, lengths[number]), most);
@@ -149,19 +149,19 @@ fn sum_and_most_by_lanes<S: Simd>(simd: S, held: Held, weights: &[Block<f32>], v
 
 /// Σ w·(g·e)(d·e) and the largest w·|d·e|, for each of three axes.
 pub(crate) fn sums_along(
-    held: Held,
+    present: Present,
     heights: &[Block<f32>],
     gradient: Rows,
     directions: &[Row; 3],
     axes: [[f32; 3]; 3],
 ) -> [(f64, f64); 3] {
-    dispatch!(Level::new(), simd => sums_along_by_lanes(simd, held, heights, gradient, directions, axes))
+    dispatch!(Level::new(), simd => sums_along_by_lanes(simd, present, heights, gradient, directions, axes))
 }
 
 #[inline(always)]
 fn sums_along_by_lanes<S: Simd>(
     simd: S,
-    held: Held,
+    present: Present,
     heights: &[Block<f32>],
     gradient: Rows,
     directions: &[Row; 3],
@@ -171,7 +171,7 @@ fn sums_along_by_lanes<S: Simd>(
     let (mut sums, mut most) = ([none; 3], [none; 3]);
     let [x, y, z] = gradient.map(|row| row.as_chunks::<LANES>().0);
     let [dx, dy, dz] = directions.each_ref().map(|row| row.as_chunks::<LANES>().0);
-    for (number, height) in held.numbered(heights) {
+    for (number, height) in present.numbered(heights) {
         let height = f32x8::simd_from(simd, *height);
         let (x, y) = (f32x8::simd_from(simd, x[number]), f32x8::simd_from(simd, y[number]));
         let (z, dx) = (f32x8::simd_from(simd, z[number]), f32x8::simd_from(simd, dx[number]));
@@ -288,13 +288,13 @@ impl FieldSum {
     }
 
     /// The same along its axes.
-    pub fn add_shaped(&mut self, takes: bool, field: &Field, held: Held, heights: &[Block<f32>], directions: &[Row; 3]) {
+    pub fn add_shaped(&mut self, takes: bool, field: &Field, present: Present, heights: &[Block<f32>], directions: &[Row; 3]) {
         if !self.is_shaped {
             self.is_shaped = true;
             self.shaped.as_flattened_mut().iter_mut().for_each(|row| row[..self.count].fill(0.0));
         }
         let sums = &mut self.shaped[usize::from(takes)];
-        dispatch!(Level::new(), simd => add_shaped_by_lanes(simd, field, held, heights, directions, sums));
+        dispatch!(Level::new(), simd => add_shaped_by_lanes(simd, field, present, heights, directions, sums));
     }
 
     /// Adds the field of the whole shell, so much of it, and of it for the residual, to which joints contribute or not;
@@ -363,7 +363,7 @@ fn add_round_by_lanes<S: Simd>(
     let bell = Bell::new(simd, places, frame);
     let (round, all) = (field.bell as f32, field.all as f32);
     let (sum, _) = sum.as_chunks_mut::<LANES>();
-    for ((number, weights), heights) in support.held.numbered(support.weights).zip(heights) {
+    for ((number, weights), heights) in support.present.numbered(support.weights).zip(heights) {
         let height = bell.times(simd, weights, number);
         *heights = height.into();
         let added = height * round + f32x8::simd_from(simd, *weights) * all;
@@ -372,11 +372,18 @@ fn add_round_by_lanes<S: Simd>(
 }
 
 #[inline(always)]
-fn add_shaped_by_lanes<S: Simd>(simd: S, field: &Field, held: Held, heights: &[Block<f32>], directions: &[Row; 3], sums: &mut [Row; 3]) {
+fn add_shaped_by_lanes<S: Simd>(
+    simd: S,
+    field: &Field,
+    present: Present,
+    heights: &[Block<f32>],
+    directions: &[Row; 3],
+    sums: &mut [Row; 3],
+) {
     let [a, b, c] = field.shaped.as_mat3().to_cols_array_2d();
     let [dx, dy, dz] = directions.each_ref().map(|row| row.as_chunks::<LANES>().0);
     let [sx, sy, sz] = sums.each_mut().map(|row| row.as_chunks_mut::<LANES>().0);
-    for (number, height) in held.numbered(heights) {
+    for (number, height) in present.numbered(heights) {
         let height = f32x8::simd_from(simd, *height);
         let (dx, dy) = (f32x8::simd_from(simd, dx[number]), f32x8::simd_from(simd, dy[number]));
         let dz = f32x8::simd_from(simd, dz[number]);

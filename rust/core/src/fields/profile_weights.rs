@@ -75,7 +75,7 @@ fn drawn_by_lanes<S: Simd>(simd: S, support: Support, places: Rows, frame: &Fiel
     let around = Around::new(simd, places, frame);
     let axes = frame.axes.map(|axis| (axis * frame.inverse_length).as_vec3().to_array());
     let folded = frame.folded() as f32;
-    for ((number, weights), heights) in support.held.numbered(support.weights).zip(heights) {
+    for ((number, weights), heights) in support.present.numbered(support.weights).zip(heights) {
         let [u, v, w] = around.at(simd, number);
         let mut height = f32x8::simd_from(simd, *weights);
         for axis in 0..3 {
@@ -121,7 +121,7 @@ pub(crate) fn of_points(
     if let Some(profiles) = profiles {
         drawn(support, places, frame, profiles, &mut shaped);
     }
-    let blocks = support.held.numbered(support.weights).enumerate();
+    let blocks = support.present.numbered(support.weights).enumerate();
     blocks.flat_map(move |(row, (number, weights))| {
         let points = (0..LANES).filter(|&lane| weights[lane] > 0.0);
         points.map(move |lane| (number * LANES + lane, round[row][lane], shaped[row][lane]))
@@ -131,7 +131,7 @@ pub(crate) fn of_points(
 #[inline(always)]
 fn bells_by_lanes<S: Simd>(simd: S, support: Support, places: Rows, frame: &FieldFrame, heights: &mut Heights) {
     let bell = Bell::new(simd, places, frame);
-    for ((number, weights), heights) in support.held.numbered(support.weights).zip(heights) {
+    for ((number, weights), heights) in support.present.numbered(support.weights).zip(heights) {
         *heights = bell.times(simd, weights, number).into();
     }
 }

@@ -9,12 +9,12 @@ use glam::DVec3;
 
 use crate::fields::joint::{Fields, Joint};
 use crate::fields::profile::BELL_WIDTH;
-use crate::losses::job::{Job, find_job};
-use crate::numeric::block_rows::{Block, BlockRows, Held, LANES};
+use crate::numeric::block_rows::{Block, BlockRows, LANES, Present};
 use crate::numeric::csr::Csr;
 use crate::skinning::joint_tree::JointTree;
 use crate::skinning::sites::Sites;
 use crate::surface::patches::Patches;
+use crate::volume_losses::job::{Job, find_job};
 
 /// Reach at rest, in joint lengths.
 const REACH: f64 = 1.25;
@@ -29,13 +29,13 @@ const STRAY_WEIGHT: f64 = 0.02;
 /// Weights of all joints on all points.
 #[derive(Debug, Clone)]
 pub(crate) struct Supports {
-    /// Jobs that hold anything in each patch.
+    /// Jobs with weights in each patch.
     pub jobs_of_patch: Csr<u32>,
     /// Per patch and one past the last: where its blocks of weights start.
     pub block_offsets: Vec<u32>,
     /// A row per job of each patch: vicinity in 0..1, over the point's rest area (MATH §2, density).
     weights: BlockRows<f32>,
-    /// Job that gives back each job's loss: itself, else the nearest above that holds anything; `None`: the whole shell.
+    /// Job that gives back each job's loss: itself, else the nearest above with weights; `None`: the whole shell.
     pub heirs: Vec<Option<u32>>,
     /// Length of each joint, armature space: the unit of its profiles. 0: no extent, no support.
     pub lengths: Vec<f64>,
@@ -47,7 +47,7 @@ pub(crate) struct Supports {
 #[derive(Clone, Copy)]
 pub(crate) struct Support<'a> {
     pub job: usize,
-    pub held: Held,
+    pub present: Present,
     pub weights: &'a [Block<f32>],
     /// Place of the first block among those of the patch.
     start: usize,
@@ -62,7 +62,7 @@ impl Support<'_> {
 
     /// Weight of an owned point of the patch.
     pub fn weight(&self, place: usize) -> f32 {
-        self.held.rank(place / LANES).map_or(0.0, |block| self.weights[block][place % LANES])
+        self.present.rank(place / LANES).map_or(0.0, |block| self.weights[block][place % LANES])
     }
 }
 
@@ -139,14 +139,14 @@ impl Supports {
         Self { jobs_of_patch, block_offsets, weights, heirs, lengths, is_even }
     }
 
-    /// Weights of the jobs that hold anything in a patch.
+    /// Weights of the jobs that have any in a patch.
     #[inline(always)]
     pub fn of_patch(&self, patch: usize) -> impl Iterator<Item = Support<'_>> {
         let first = self.jobs_of_patch.offsets()[patch] as usize;
         let mut start = 0;
         self.jobs_of_patch.row(patch).iter().enumerate().map(move |(row, &job)| {
-            let (held, weights) = self.weights.row(first + row);
-            let support = Support { job: job as usize, held, weights, start };
+            let (present, weights) = self.weights.row(first + row);
+            let support = Support { job: job as usize, present, weights, start };
             start += weights.len();
             support
         })

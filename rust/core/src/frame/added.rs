@@ -27,12 +27,12 @@ impl Added {
         size_of_val(&*self.of_vertex)
     }
 
-    /// Of a point: the mean over its twins.
+    /// Of a point: the mean over its vertices.
     #[inline]
     pub fn of_slot(&self, binding: &Binding, slot: usize) -> V4 {
-        let twins = binding.vertices_of_slot().row(slot);
-        let sum = twins.iter().fold(lanes::ZERO, |sum, &vertex| lanes::add(sum, self.at(vertex as usize)));
-        lanes::scale(sum, 1.0 / twins.len().max(1) as f64)
+        let coincident = binding.vertices_of_slot().row(slot);
+        let sum = coincident.iter().fold(lanes::ZERO, |sum, &vertex| lanes::add(sum, self.at(vertex as usize)));
+        lanes::scale(sum, 1.0 / coincident.len().max(1) as f64)
     }
 
     /// Of a vertex; 0 where nothing is added.
@@ -49,7 +49,7 @@ impl Added {
 
 impl Workspace {
     /// Takes offsets in object space, and returns their mean in armature space.
-    pub(super) fn take_added(&mut self, binding: &Binding, offsets: Option<&[[f32; 3]]>) -> Result<DVec3> {
+    pub(super) fn set_added(&mut self, binding: &Binding, offsets: Option<&[[f32; 3]]>) -> Result<DVec3> {
         self.added.of_vertex.clear();
         let Some(offsets) = offsets else { return Ok(DVec3::ZERO) };
         let bound = binding.slot_of_vertex.len();

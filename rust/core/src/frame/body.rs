@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::{Pose, Workspace};
 use crate::binding::Binding;
 use crate::error::{Error, Result, check_numbers, check_rows};
-use crate::losses::job::Change;
 use crate::numeric::lanes::{self, V4};
+use crate::volume_losses::job::Change;
 
 /// Rest positions of one frame.
 #[derive(Debug, Clone, Default)]
@@ -42,8 +42,8 @@ impl Body {
 }
 
 impl Workspace {
-    /// Takes the body of a frame: its centre in object space, and how far it reaches from there.
-    pub(super) fn take_body(&mut self, binding: &Binding, pose: &Pose) -> Result<(DVec3, f64)> {
+    /// Sets the body of a frame. Returns its centre in object space, and how far it reaches from there.
+    pub(super) fn set_body(&mut self, binding: &Binding, pose: &Pose) -> Result<(DVec3, f64)> {
         if pose.shape_values.len() > binding.shape_deltas.len() {
             return Err(Error::Length { what: "shape_values", found: pose.shape_values.len(), needed: binding.shape_deltas.len() });
         }
@@ -61,12 +61,12 @@ impl Workspace {
             (binding.rest_centre, binding.radius_with(pose.shape_values))
         };
         let is_bound = self.body.of_site.is_empty();
-        let bodies = binding.plan.bodies(self.is_staged(binding));
+        let portions = binding.plan.portions(self.is_staged(binding));
         if is_bound != self.body.has_bound_moments || !is_bound {
-            self.body_moments.clone_from(&bodies.rest_moments);
+            self.portion_moments.clone_from(&portions.rest_moments);
         }
         if is_bound && !self.body.has_bound_moments {
-            bodies.rigid_moments(&self.body_moments, &mut self.job_moments);
+            portions.rigid_moments(&self.portion_moments, &mut self.job_moments);
         }
         self.body.has_bound_moments = is_bound;
         Ok(placed)

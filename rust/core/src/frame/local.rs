@@ -101,7 +101,7 @@ impl Workspace {
                     let joint = binding.plan.jobs[support.job].joint as usize;
                     let (claim, head) = (claim(support.job), lanes::from(binding.motions.tree.heads[joint]));
                     let narrowness = 1.0 / (BELL_WIDTH * BELL_WIDTH * BELL_END * supports.lengths[joint].powi(2));
-                    for (number, block) in support.held.numbered(support.weights).filter(|_| claim > 0.0) {
+                    for (number, block) in support.present.numbered(support.weights).filter(|_| claim > 0.0) {
                         for (lane, weight) in block.iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
                             let (place, slot) = (number * LANES + lane, patch.start + number * LANES + lane);
                             let away = lanes::sub(core.rest(slot), head);

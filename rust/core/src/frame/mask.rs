@@ -15,7 +15,7 @@ pub(crate) struct Mask {
 }
 
 impl Mask {
-    /// `of_vertex` in 0..1; twins share the smallest of theirs. `None`: it changes nothing.
+    /// `of_vertex` in 0..1; coincident vertices share the smallest of theirs. `None`: it changes nothing.
     pub fn new(binding: &Binding, of_vertex: &[f32]) -> Result<Option<Self>> {
         let bound = binding.slot_of_vertex.len();
         if of_vertex.len() != bound {

@@ -4,19 +4,19 @@
 mod added;
 mod body;
 mod carried;
-mod give_back;
-mod in_order;
 mod joint_field;
+mod linear_step;
 mod local;
 mod mask;
 mod offsets;
-mod one_direction;
 mod pass;
 mod refinement;
 mod repair;
 mod residual;
 mod restore;
 mod scratch;
+mod sequential;
+mod simultaneous;
 mod skin;
 mod targets;
 
@@ -35,13 +35,10 @@ pub use self::refinement::RefinementNeed;
 pub(crate) use self::refinement::{Details, Needs};
 use crate::binding::Binding;
 use crate::error::{Error, LARGEST, Result};
-use crate::fields::field::{Field, FieldFrame, Hold};
+use crate::fields::field::{Capacity, Field, FieldFrame};
 use crate::fields::joint::{FACTOR_MAX, Joint, check_strengths};
 use crate::fields::patch_sums::Move;
 use crate::fields::supports::Supports;
-use crate::losses::closed_form::{FormBuffers, VolumeForms};
-use crate::losses::job::{Change, Moment};
-use crate::losses::staged::ROWS;
 use crate::numeric::block_rows::{Block, LANES};
 use crate::numeric::lanes::{self, Four, V4, add_scaled};
 use crate::parallel::split::Ragged;
@@ -49,6 +46,9 @@ use crate::report::Report;
 use crate::skinning::blend::{check_object, check_pose};
 use crate::skinning::motions::Motions;
 use crate::surface::volume::VolumeCubic;
+use crate::volume_losses::closed_form::{FormBuffers, VolumeForms};
+use crate::volume_losses::job::{Change, Moment};
+use crate::volume_losses::staged::ROWS;
 
 /// One frame's input.
 #[derive(Debug, Clone, Copy)]
@@ -133,7 +133,7 @@ pub struct Workspace {
     pub(crate) object: DAffine3,
     channels: Vec<DAffine3>,
     body: Body,
-    body_moments: Vec<Moment>,
+    portion_moments: Vec<Moment>,
     job_moments: Vec<Moment>,
     changes: Vec<Change>,
     forms: Option<FormBuffers>,
@@ -155,7 +155,7 @@ pub struct Workspace {
     /// Weight times profile, for each weight of `Supports`; empty while no joint has profiles.
     profiled: Vec<Block<f32>>,
     pub(crate) mask: Option<Arc<Mask>>,
-    holds: Vec<Hold>,
+    capacities: Vec<Capacity>,
     patches: Vec<PatchSums>,
     giant_volumes: Vec<f64>,
     jobs: Vec<JobState>,
@@ -168,7 +168,7 @@ pub struct Workspace {
 struct PatchSums {
     volume: f64,
     cubic: VolumeCubic,
-    wide_hold: f64,
+    wide_capacity: f64,
     gap_squared: f64,
 }
 
@@ -178,7 +178,7 @@ struct JobState {
     /// To be given back.
     volume: f64,
     frame: FieldFrame,
-    hold: Hold,
+    capacity: Capacity,
     field: Field,
     /// Given back by all fields of the job, and the bound on what they move.
     regained: f64,
@@ -197,15 +197,15 @@ struct ComponentState {
     /// Σ |volume to give back| over joints, and the floor under it.
     spread: f64,
     floor: f64,
-    /// Volume for the field of the whole shell, its hold, its coefficient, and that of the residual's field.
+    /// Volume for the field of the whole shell, its capacity, its coefficient, and that of the residual's field.
     wide: f64,
-    wide_hold: f64,
+    wide_capacity: f64,
     wide_field: f64,
     wide_residual: f64,
     /// Whether the residual is left to the whole shell.
     is_wide_only: bool,
-    /// Whether fields are given up for one direction.
-    is_straight: bool,
+    /// Whether fields are given up for one step along which the volume is linear.
+    is_linear_only: bool,
     /// Step along the residual's field; NaN where nothing may move.
     step: f64,
 }
@@ -226,7 +226,7 @@ impl Workspace {
             object: DAffine3::IDENTITY,
             channels: vec![DAffine3::IDENTITY; binding.bone_count],
             body: Body::default(),
-            body_moments: Vec::new(),
+            portion_moments: Vec::new(),
             job_moments: vec![(0.0, DVec3::ZERO); jobs],
             changes: vec![Change::default(); jobs],
             forms,
@@ -243,7 +243,7 @@ impl Workspace {
             sources: vec![lanes::ZERO; binding.patches.source_count()],
             profiled: vec![[0.0; LANES]; if has_profiles { supports.block_count() } else { 0 }],
             mask: None,
-            holds: vec![Hold::default(); supports.jobs_of_patch.values().len()],
+            capacities: vec![Capacity::default(); supports.jobs_of_patch.values().len()],
             patches: vec![PatchSums::default(); binding.patches.list.len()],
             giant_volumes: vec![0.0; giants.len()],
             jobs: vec![JobState::default(); jobs],
@@ -263,13 +263,13 @@ impl Workspace {
             + self.local.memory_bytes()
             + size_of_val(&*self.moves)
             + size_of_val(&*self.profiled)
-            + size_of_val(&*self.holds)
+            + size_of_val(&*self.capacities)
             + size_of_val(&*self.patches)
             + size_of_val(&*self.stage_changes)
     }
 
-    /// Checks and takes a pose.
-    pub(crate) fn take(&mut self, binding: &Binding, pose: &Pose, keep_bone_scale: bool) -> Result<()> {
+    /// Checks a pose and sets the frame to it.
+    pub(crate) fn set_pose(&mut self, binding: &Binding, pose: &Pose, keep_bone_scale: bool) -> Result<()> {
         if let Some(strengths) = pose.strengths {
             if strengths.len() != binding.bone_count {
                 return Err(Error::Length { what: "strengths", found: strengths.len(), needed: binding.bone_count });
@@ -282,7 +282,7 @@ impl Workspace {
         if !(pose.target_scale > 0.0 && pose.target_scale <= FACTOR_MAX) {
             return Err(Error::Value { what: "target_scale", found: pose.target_scale, needed: "a number above 0, up to 1e9" });
         }
-        let (rest_centre, radius) = self.take_body(binding, pose)?;
+        let (rest_centre, radius) = self.set_body(binding, pose)?;
         check_pose(pose.matrices, &mut self.channels)?;
         self.object = check_object(&pose.object_from_armature)?;
         let armature_from_rest = self.object.inverse() * DAffine3::from_translation(rest_centre);
@@ -306,7 +306,7 @@ impl Workspace {
         if total > 0.0 {
             origin /= total;
         }
-        origin += self.take_added(binding, pose.added_offsets)?;
+        origin += self.set_added(binding, pose.added_offsets)?;
         self.motions.set(&self.channels, armature_from_rest, origin, binding.size, keep_bone_scale);
         Ok(())
     }
@@ -322,7 +322,7 @@ impl Workspace {
     /// Skinned position of a vertex in armature space, with what is added to it.
     pub(crate) fn skinned_vertex(&self, binding: &Binding, vertex: usize) -> DVec3 {
         let slot = binding.slot_of_vertex[vertex] as usize;
-        // A point whose twins are skinned alike is where the frame has left it.
+        // A point whose vertices are skinned alike is where the frame has left it.
         if slot < self.moves.len() && binding.sites.of_slot(slot).len() == 1 && !self.body.is_split() {
             let skinned = lanes::to(self.skinned.at(slot)) + self.motions.palette.origin;
             let is_moved = !self.added.is_empty();

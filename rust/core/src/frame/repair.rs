@@ -72,12 +72,12 @@ impl Workspace {
         };
         self.go_back_to(&outcome);
         self.mask = mask;
-        let is_held = |&slot: &u32| slot != NO_SLOT;
+        let has_slot = |&slot: &u32| slot != NO_SLOT;
         let mut of_slot = vec![false; binding.patches.slot_count()];
-        for (slot, is_blocked) in binding.patches.slot_of_point.iter().zip(is_blocked).filter(|(slot, _)| is_held(slot)) {
+        for (slot, is_blocked) in binding.patches.slot_of_point.iter().zip(is_blocked).filter(|(slot, _)| has_slot(slot)) {
             of_slot[*slot as usize] = is_blocked;
         }
-        let vertices = (0..).zip(&binding.slot_of_vertex).filter(|(_, slot)| is_held(slot) && of_slot[**slot as usize]);
+        let vertices = (0..).zip(&binding.slot_of_vertex).filter(|(_, slot)| has_slot(slot) && of_slot[**slot as usize]);
         self.report.blocked_vertices.extend(vertices.map(|(vertex, _)| vertex));
     }
 

@@ -46,8 +46,8 @@ impl Workspace {
             );
             self.find_steps(binding, pass);
         }
-        if self.components.iter().any(|state| state.is_straight) {
-            self.move_along_one_direction(binding, pass);
+        if self.components.iter().any(|state| state.is_linear_only) {
+            self.step_linearly(binding, pass);
             self.find_steps(binding, pass);
         }
     }
@@ -91,7 +91,7 @@ impl ComponentState {
         let gap = state.target - state.cubic.0[0];
         let is_near = gap.abs() <= RESIDUAL_DONE * state.target.abs();
         let root = if is_near { Some(0.0) } else { state.cubic.root_nearest_zero(state.target) };
-        let may_give_up = is_masked && !state.is_straight;
+        let may_give_up = is_masked && !state.is_linear_only;
         // What a step of the shell adds by the slope at the skinned surface, against what is to be given back.
         let worth = |step: f64| step.abs() * (state.floor + state.wide.abs());
         let whole = state.spread + (state.target - state.skinned).abs();
@@ -103,7 +103,7 @@ impl ComponentState {
         match root.filter(|&step| is_meant(step)) {
             Some(step) => state.step = step,
             None if !state.is_wide_only => state.is_wide_only = true,
-            None if may_give_up && state.wide_hold > 0.0 => state.is_straight = true,
+            None if may_give_up && state.wide_capacity > 0.0 => state.is_linear_only = true,
             None if state.cubic.0[0].is_finite() => state.step = 0.0,
             // Beyond all numbers: as skinned.
             None => state.step = f64::NAN,

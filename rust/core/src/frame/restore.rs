@@ -64,7 +64,7 @@ impl Workspace {
         self.share_gaps(binding, supports, first, &again, &of_slot);
         self.mask = Some(Arc::new(self.held(&of_slot)));
         let pass = Pass::Again(&again);
-        self.hold(binding, supports, settings, pass);
+        self.sum_capacities(binding, supports, settings, pass);
         self.solve(binding, pass);
         self.add_fields(binding, supports, settings, pass, |old, new| {
             *old = Move { by: std::array::from_fn(|i| old.by[i] + new.by[i]), residual: new.residual };
@@ -87,7 +87,7 @@ impl Workspace {
             }
         }
         for (state, _) in self.components.iter_mut().zip(concerns).filter(|(_, concerned)| **concerned) {
-            (state.is_wide_only, state.is_straight, state.step) = (false, false, 0.0);
+            (state.is_wide_only, state.is_linear_only, state.step) = (false, false, 0.0);
         }
         self.sweep_cubics(binding);
     }

@@ -3,10 +3,10 @@
 use std::cell::RefCell;
 
 use crate::fields::patch_sums::{FieldRows, FieldSum};
-use crate::losses::staged::ROWS;
 use crate::numeric::block_rows::PATCH_POINTS;
 use crate::numeric::lanes;
 use crate::surface::sweeps::Buffer;
+use crate::volume_losses::staged::ROWS;
 
 /// Rows lie on cache lines; nothing in them is remembered.
 #[repr(align(64))]

@@ -4,18 +4,18 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
 
 use super::added::Added;
-use super::body::Body as RestBody;
+use super::body::Body;
 use super::scratch::{Scratch, with_scratch};
 use super::{PatchSums, Workspace, ragged};
 use crate::binding::Binding;
-use crate::losses::job::{Change, Moment};
-use crate::losses::staged::{Body, Rows, giant_moment, giant_volume};
 use crate::numeric::block_rows::{LANES, PATCH_POINTS};
 use crate::numeric::lanes::{self, Four, V4};
 use crate::parallel::split::{Ragged, for_each_piece};
 use crate::skinning::motions::Motions;
 use crate::surface::patches::Patch;
 use crate::surface::sweeps::{self, Buffer, GRADIENT_PARTS, mean_and_cross, polygon_gradient};
+use crate::volume_losses::job::{Change, Moment};
+use crate::volume_losses::staged::{Portion, Rows, giant_moment, giant_volume};
 
 impl Workspace {
     /// Skins all points; volume and gradient of the skinned surface, and stages on the way to it.
@@ -30,7 +30,7 @@ impl Workspace {
         let change_offsets = stages.map_or(&*patches.no_rows, |stages| &stages.change_offsets()[..=count]);
         let moment_offsets = if stages.is_some() { &patches.numbers } else { &patches.no_rows };
         let (changes, giant_changes) = self.stage_changes.split_at_mut(change_offsets[count] as usize);
-        let (moments, giant_moments) = self.body_moments.split_at_mut(moment_offsets[count] as usize);
+        let (moments, giant_moments) = self.portion_moments.split_at_mut(moment_offsets[count] as usize);
         let (sources, giant_sources) = self.sources.split_at_mut(patches.patch_source_count());
         for_each_piece(
             count,
@@ -70,17 +70,18 @@ impl Workspace {
                 *moment = giant_moment(&positions[..corners]);
             }
             let (changes, rest_of_them) = giant_changes.split_at_mut(stages.joint_count(count + index));
-            let body = Body { index: count + index, slots: &giant.corners, sites: &binding.sites, shaped_rest, motions, moment: *moment };
+            let portion =
+                Portion { index: count + index, slots: &giant.corners, sites: &binding.sites, shaped_rest, motions, moment: *moment };
             let rows = Rows::new(&mut self.giant_room, padded);
             let volume = |p: &&mut [V4]| giant_volume(&p[..corners]);
-            let last = dispatch!(level, simd => stages.measure(simd, body, rows, &mut positions, volume, changes));
+            let last = dispatch!(level, simd => stages.measure(simd, portion, rows, &mut positions, volume, changes));
             if let Some(last) = last {
                 changes[last].loss -= if added.is_empty() { self.giant_volumes[index] } else { volume(&positions) };
             }
             giant_changes = rest_of_them;
         }
         if has_shapes {
-            binding.plan.bodies(true).rigid_moments(&self.body_moments, &mut self.job_moments);
+            binding.plan.portions(true).rigid_moments(&self.portion_moments, &mut self.job_moments);
         }
     }
 }
@@ -90,7 +91,7 @@ impl Workspace {
 struct Skinner<'a> {
     binding: &'a Binding,
     motions: &'a Motions,
-    rest_body: &'a RestBody,
+    rest_body: &'a Body,
     added: &'a Added,
     index: usize,
 }
@@ -115,8 +116,8 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
     let patch = &patches.list[index];
     let slots = &patches.local[patch.local.clone()];
     let Scratch { first: p, second: by_point, rows, .. } = scratch;
-    let mut body = Body { index, slots, sites, shaped_rest: has_shapes.then_some(rest), motions, moment: Moment::default() };
-    let is_skinned = stages.ends_skinned(body);
+    let mut portion = Portion { index, slots, sites, shaped_rest: has_shapes.then_some(rest), motions, moment: Moment::default() };
+    let is_skinned = stages.ends_skinned(portion);
     let mut last = None;
     if let Some(moment) = into.moment {
         if has_shapes {
@@ -126,11 +127,11 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
             let (volume, area) = sweeps::moment(simd, patches, patch, p);
             *moment = (volume, lanes::to(area));
         }
-        body.moment = *moment;
+        portion.moment = *moment;
         let rows = Rows::new(rows, PATCH_POINTS);
         last = stages.measure(
             simd,
-            body,
+            portion,
             rows,
             p,
             #[inline(always)]
@@ -138,7 +139,7 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
             into.changes,
         );
     } else if is_skinned {
-        stages.skin(simd, body, Rows::new(rows, PATCH_POINTS), p);
+        stages.skin(simd, portion, Rows::new(rows, PATCH_POINTS), p);
     }
     if !is_skinned {
         for (p, &slot) in p.iter_mut().zip(slots) {
@@ -164,9 +165,9 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
     if sites.is_split() || rest_body.is_split() {
         for &slot in &slots[..patch.owned] {
             let gap_squared = if rest_body.is_split() {
-                let twins = binding.vertices_of_slot().row(slot as usize).iter().map(|&vertex| vertex as usize);
+                let coincident = binding.vertices_of_slot().row(slot as usize).iter().map(|&vertex| vertex as usize);
                 let site = |vertex: usize| sites.site_of_vertex[vertex] as usize;
-                gap_squared(twins.map(|v| palette.skin(&sites.influences, site(v), rest_body.rest_of_vertex(binding, v))))
+                gap_squared(coincident.map(|v| palette.skin(&sites.influences, site(v), rest_body.rest_of_vertex(binding, v))))
             } else {
                 gap_squared(sites.of_slot(slot as usize).map(|site| palette.skin(&sites.influences, site, rest[site])))
             };
@@ -175,14 +176,14 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: Skinned, scratch: &mut Scra
     }
 }
 
-/// Of the largest distance of twins from the first of them.
+/// Of the largest distance of coincident vertices from the first of them.
 #[inline(always)]
-fn gap_squared(mut twins: impl ExactSizeIterator<Item = V4>) -> f64 {
-    if twins.len() < 2 {
+fn gap_squared(mut coincident: impl ExactSizeIterator<Item = V4>) -> f64 {
+    if coincident.len() < 2 {
         return 0.0;
     }
-    let Some(first) = twins.next() else { return 0.0 };
-    twins.map(|twin| lanes::to(twin).distance_squared(lanes::to(first))).fold(0.0, f64::max)
+    let Some(first) = coincident.next() else { return 0.0 };
+    coincident.map(|other| lanes::to(other).distance_squared(lanes::to(first))).fold(0.0, f64::max)
 }
 
 /// Keeps a patch's part of the gradient: whole for the points it alone uses, for others to be summed.

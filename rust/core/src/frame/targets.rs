@@ -5,7 +5,7 @@ use crate::binding::Binding;
 use crate::fields::field::FieldFrame;
 use crate::fields::joint::Joint;
 use crate::fields::supports::Supports;
-use crate::losses::hung::hand_on;
+use crate::volume_losses::hung::hand_on;
 
 /// Losses below this part of a component's volume share a residual with the whole shell instead of taking all of it.
 const LOSS_FLOOR: f64 = 1e-3;
@@ -27,12 +27,12 @@ impl Workspace {
             (false, Some(forms), Some(buffers)) => forms.gather(buffers, &mut self.changes),
             _ => binding.plan.stages.gather(&self.stage_changes, &mut self.changes),
         }
-        binding.plan.carry_shells(&self.motions, is_staged, &self.body_moments, &mut self.changes);
+        binding.plan.carry_shells(&self.motions, is_staged, &self.portion_moments, &mut self.changes);
         hand_on(&binding.plan.jobs, &self.motions, &mut self.changes);
         self.components.fill(ComponentState::default());
         // Moments are about the rest mesh in object space.
         let armature_from_object = self.object.matrix3.determinant().recip();
-        for (moment, &component) in self.body_moments.iter().zip(&binding.plan.bodies(is_staged).components) {
+        for (moment, &component) in self.portion_moments.iter().zip(&binding.plan.portions(is_staged).components) {
             self.components[component as usize].rest += moment.0 * armature_from_object;
         }
         for (patch, sums) in binding.patches.list.iter().zip(&self.patches) {

@@ -15,9 +15,9 @@ const _: () = assert!(PATCH_POINTS == LANES * u32::BITS as usize, "one bit for e
 
 /// Which blocks of a row are there, in order.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(crate) struct Held(u32);
+pub(crate) struct Present(u32);
 
-impl Held {
+impl Present {
     /// The first so many.
     pub fn first(count: usize) -> Self {
         Self(u32::MAX.checked_shr(u32::BITS - count as u32).unwrap_or(0))
@@ -54,39 +54,39 @@ impl Iterator for Numbers {
 /// Rows of numbers, one per point of a patch, without their blocks of zeros.
 #[derive(Debug, Clone)]
 pub(crate) struct BlockRows<T> {
-    held: Vec<Held>,
+    present: Vec<Present>,
     blocks: Csr<Block<T>>,
 }
 
 impl<T> Default for BlockRows<T> {
     fn default() -> Self {
-        Self { held: Vec::new(), blocks: Csr::default() }
+        Self { present: Vec::new(), blocks: Csr::default() }
     }
 }
 
 impl<T: Copy + Default + PartialEq> BlockRows<T> {
     /// Appends a row of at most as many numbers as a patch has points.
     pub fn push_row(&mut self, row: &[T]) {
-        let mut held = Held::default();
+        let mut present = Present::default();
         let filled = row.chunks(LANES).enumerate().filter(|(_, numbers)| numbers.iter().any(|&n| n != T::default()));
         self.blocks.push_row(filled.map(|(number, numbers)| {
-            held.0 |= 1 << number;
+            present.0 |= 1 << number;
             let mut block = [T::default(); LANES];
             block[..numbers.len()].copy_from_slice(numbers);
             block
         }));
-        self.held.push(held);
+        self.present.push(present);
     }
 
     /// Blocks of one row.
     #[inline(always)]
-    pub fn row(&self, index: usize) -> (Held, &[Block<T>]) {
-        (self.held[index], self.blocks.row(index))
+    pub fn row(&self, index: usize) -> (Present, &[Block<T>]) {
+        (self.present[index], self.blocks.row(index))
     }
 
     /// Number of rows.
     pub fn len(&self) -> usize {
-        self.held.len()
+        self.present.len()
     }
 
     /// Blocks of all rows.
@@ -99,7 +99,7 @@ impl<T: Copy + Default + PartialEq> BlockRows<T> {
     }
 
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.held) + self.blocks.memory_bytes()
+        size_of_val(&*self.present) + self.blocks.memory_bytes()
     }
 }
 
@@ -118,15 +118,15 @@ mod tests {
             }
             prop_assert_eq!(made.len(), rows.len());
             for (index, row) in rows.iter().enumerate() {
-                let (held, blocks) = made.row(index);
+                let (present, blocks) = made.row(index);
                 let mut back = [0; PATCH_POINTS];
-                for (place, (number, block)) in held.numbered(blocks).enumerate() {
+                for (place, (number, block)) in present.numbered(blocks).enumerate() {
                     prop_assert_ne!(block, &[0; LANES]);
-                    prop_assert_eq!(held.rank(number), Some(place));
+                    prop_assert_eq!(present.rank(number), Some(place));
                     back.as_chunks_mut().0[number] = *block;
                 }
                 prop_assert_eq!(&back[..row.len()], &row[..]);
-                prop_assert_eq!(Numbers(held.0).count(), blocks.len());
+                prop_assert_eq!(Numbers(present.0).count(), blocks.len());
             }
         }
     }
@@ -134,7 +134,7 @@ mod tests {
     #[test]
     fn the_first_blocks() {
         for count in 0..=u32::BITS as usize {
-            assert!(Numbers(Held::first(count).0).eq(0..count));
+            assert!(Numbers(Present::first(count).0).eq(0..count));
         }
     }
 }

@@ -21,23 +21,23 @@ const PAUSES: usize = 256;
 const PATIENCE: usize = 2048;
 
 /// Called with a number for each thread, that of the caller is 0.
-type Job<'a> = dyn Fn(usize) + Sync + 'a;
+type Task<'a> = dyn Fn(usize) + Sync + 'a;
 
 struct Crew {
     /// How many threads it has, the caller's among them.
     hands: AtomicUsize,
-    /// Whether there will be more jobs.
+    /// Whether there will be more tasks.
     is_on: AtomicBool,
-    /// `OPEN` while there is a job, and `HELPER` for each helper that is at it.
+    /// `OPEN` while there is a task, and `HELPER` for each helper that is at it.
     door: AtomicUsize,
-    /// Number of the job.
+    /// Number of the task.
     turn: AtomicUsize,
     /// Written while the door is closed and nobody is in, read by those who came in through the open door.
-    job: UnsafeCell<Option<&'static Job<'static>>>,
+    task: UnsafeCell<Option<&'static Task<'static>>>,
     has_panicked: AtomicBool,
 }
 
-// SAFETY: `job` is all that is not `Sync` of itself, and `door` keeps its reads apart from its writes.
+// SAFETY: `task` is all that is not `Sync` of itself, and `door` keeps its reads apart from its writes.
 unsafe impl Sync for Crew {}
 
 thread_local! {
@@ -56,19 +56,19 @@ pub(crate) fn with_helpers<R>(count: usize, work: impl FnOnce() -> R) -> R {
     work()
 }
 
-/// Threads that may be at the next job; 1 is the caller alone.
+/// Threads that may be at the next task; 1 is the caller alone.
 pub(crate) fn hands() -> usize {
     OWN.with_borrow(|own| own.as_ref().map_or(1, |crew| crew.hands.load(Ordering::Relaxed)))
 }
 
-/// Runs `job` in this thread, and at the same time in helpers that have time. It must see to it that all is done once the
+/// Runs `task` in this thread, and at the same time in helpers that have time. It must see to it that all is done once the
 /// call in this thread is over and those in others are: they may begin late, or never.
-pub(crate) fn share(job: &Job<'_>) {
-    // Whatever the job shares is shared by crews of its own.
-    let Some(crew) = OWN.take() else { return job(0) };
+pub(crate) fn share(task: &Task<'_>) {
+    // Whatever the task shares is shared by crews of its own.
+    let Some(crew) = OWN.take() else { return task(0) };
     let back = Back(Some(crew));
     if let Some(crew) = &back.0 {
-        crew.run(job);
+        crew.run(task);
     }
 }
 
@@ -103,31 +103,31 @@ impl Default for Crew {
             is_on: AtomicBool::new(false),
             door,
             turn,
-            job: UnsafeCell::new(None),
+            task: UnsafeCell::new(None),
             has_panicked: AtomicBool::new(false),
         }
     }
 }
 
 impl Crew {
-    fn run(&self, job: &Job<'_>) {
+    fn run(&self, task: &Task<'_>) {
         if self.hands.load(Ordering::Relaxed) == 1 {
-            return job(0);
+            return task(0);
         }
-        // SAFETY: the lifetime alone changes, and `Closing` waits until nobody is at the job before it ends.
-        let job_for_helpers = unsafe { std::mem::transmute::<&Job<'_>, &'static Job<'static>>(job) };
+        // SAFETY: the lifetime alone changes, and `Closing` waits until nobody is at the task before it ends.
+        let task_for_helpers = unsafe { std::mem::transmute::<&Task<'_>, &'static Task<'static>>(task) };
         // SAFETY: the door is closed, and nobody is in who came through it while it was open.
-        unsafe { *self.job.get() = Some(job_for_helpers) };
+        unsafe { *self.task.get() = Some(task_for_helpers) };
         self.has_panicked.store(false, Ordering::Relaxed);
         self.turn.fetch_add(1, Ordering::Release);
         self.door.fetch_or(OPEN, Ordering::Release);
         let closing = Closing(self);
-        job(0);
+        task(0);
         drop(closing);
         assert!(!self.has_panicked.load(Ordering::Relaxed), "a thread of the engine has panicked");
     }
 
-    /// Takes part in jobs until there are no more, or none for long.
+    /// Takes part in tasks until there are no more, or none for long.
     fn help(&self, number: usize) {
         let mut done = self.turn.load(Ordering::Relaxed).wrapping_sub(1);
         let mut waits = 0;
@@ -140,8 +140,8 @@ impl Crew {
             if self.door.fetch_add(HELPER, Ordering::Acquire) & OPEN != 0 {
                 done = self.turn.load(Ordering::Relaxed);
                 // SAFETY: it was written before the door was opened, and lives as long as somebody is in.
-                let job = unsafe { *self.job.get() };
-                let outcome = catch_unwind(AssertUnwindSafe(|| job.map(|job| job(number))));
+                let task = unsafe { *self.task.get() };
+                let outcome = catch_unwind(AssertUnwindSafe(|| task.map(|task| task(number))));
                 self.has_panicked.fetch_or(outcome.is_err(), Ordering::Relaxed);
                 waits = 0;
             }
@@ -150,7 +150,7 @@ impl Crew {
     }
 }
 
-/// Ends a job, also where it panics: closes the door, and waits for those who are in.
+/// Ends a task, also where it panics: closes the door, and waits for those who are in.
 struct Closing<'a>(&'a Crew);
 
 impl Drop for Closing<'_> {
@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn helpers_come_to_a_job_that_lasts() {
+    fn helpers_come_to_a_task_that_lasts() {
         with_helpers(1, || {
             let came = AtomicBool::new(hands() == 1);
             share(&|number| {

@@ -112,7 +112,7 @@ pub(crate) fn for_each_piece<S: Split>(count: usize, arrays: S, visit: &(impl Fn
     crew::share(&|number| {
         for turn in 0..hands {
             let part = &parts[(number + turn) % hands];
-            while let Some(run) = take(part, turn == 0) {
+            while let Some(run) = next_run(part, turn == 0) {
                 run.visit(visit);
             }
         }
@@ -120,7 +120,7 @@ pub(crate) fn for_each_piece<S: Split>(count: usize, arrays: S, visit: &(impl Fn
 }
 
 /// Some of what is left of a part: the first pieces for its own thread, the last ones for others.
-fn take<S: Split>(part: &Mutex<Option<Run<S>>>, is_own: bool) -> Option<Run<S>> {
+fn next_run<S: Split>(part: &Mutex<Option<Run<S>>>, is_own: bool) -> Option<Run<S>> {
     let mut part = locked(part);
     let left = part.take()?;
     let count = (left.count / 4).max(TASK);

@@ -21,12 +21,12 @@ pub(crate) struct JointTree {
     pub heads: Vec<DVec3>,
     /// From the parent's joint to this one at rest; `None` where they coincide or there is no parent.
     pub along_parent: Vec<Option<DVec3>>,
-    /// From this joint along its own body at rest; `None` where it has no extent.
+    /// From this joint along its own bone group at rest; `None` where it has no extent.
     pub along_own: Vec<Option<DVec3>>,
     /// Joints of cut chains, which hang on a bone that is not above them.
     pub is_hung: Vec<bool>,
-    /// First joint of each joint's body: itself, but for segments.
-    pub bodies: Vec<u16>,
+    /// First joint of each joint's bone group: itself, but for segments.
+    pub bone_groups: Vec<u16>,
     /// Per bone, whether it is a segment of the one above.
     pub is_segment: Vec<bool>,
     /// Bones that carry no weight between each joint and the one above, from above, and then the joint's own.
@@ -53,7 +53,7 @@ impl JointTree {
             along_parent: Vec::new(),
             along_own: Vec::new(),
             is_hung: Vec::new(),
-            bodies: Vec::new(),
+            bone_groups: Vec::new(),
             is_segment: skeleton.is_segment.clone(),
             links: Csr::default(),
         };
@@ -71,8 +71,8 @@ impl JointTree {
             tree.ends.push(joint + 1);
             tree.heads.push(skeleton.head(bone));
             tree.is_hung.push(is_hung[bone as usize]);
-            let above = tree.parent(usize::from(joint)).filter(|&p| skeleton.body(tree.bones[p]) == skeleton.body(bone));
-            tree.bodies.push(above.map_or(joint, |p| tree.bodies[p]));
+            let above = tree.parent(usize::from(joint)).filter(|&p| skeleton.bone_group(tree.bones[p]) == skeleton.bone_group(bone));
+            tree.bone_groups.push(above.map_or(joint, |p| tree.bone_groups[p]));
             let has_above = parents[bone as usize].is_some() && !is_hung[bone as usize];
             let mut links: Vec<u32> = skeleton.ancestors(bone).take_while(|&b| has_above && masses[b as usize] <= 0.0).collect();
             links.reverse();
@@ -151,27 +151,27 @@ impl JointTree {
         children
     }
 
-    /// Joints of the body that each joint is the first of; of the others, themselves.
+    /// Joints of the bone group that each joint is the first of; of the others, themselves.
     fn members(&self) -> Vec<Vec<usize>> {
         let mut members: Vec<Vec<usize>> = (0..self.len()).map(|joint| vec![joint]).collect();
-        for (joint, &body) in self.bodies.iter().enumerate().filter(|(joint, body)| *joint != usize::from(**body)) {
-            members[usize::from(body)].push(joint);
+        for (joint, &group) in self.bone_groups.iter().enumerate().filter(|(joint, group)| *joint != usize::from(**group)) {
+            members[usize::from(group)].push(joint);
         }
         members
     }
 
-    /// Joints in whose vicinity skin of each joint's bone lies: the first of its body, of the body above and of those below;
+    /// Joints in whose vicinity skin of each joint's bone lies: the first of its bone group, of the one above and of those below;
     /// and of segments, its own and its neighbours'. Of the world: those that hang on nothing.
     pub fn vicinities(&self) -> Csr<usize> {
         let (children, members) = (self.children(), self.members());
         let mut vicinities = Csr::default();
         for joint in 0..self.len() {
-            let body = usize::from(self.bodies[joint]);
-            let within = |j: &usize| usize::from(self.bodies[*j]) == body;
-            let above = self.parent(body).map(|parent| usize::from(self.bodies[parent]));
-            let below = members[body].iter().flat_map(|&member| &children[member]).copied().filter(|child| !within(child));
+            let group = usize::from(self.bone_groups[joint]);
+            let within = |j: &usize| usize::from(self.bone_groups[*j]) == group;
+            let above = self.parent(group).map(|parent| usize::from(self.bone_groups[parent]));
+            let below = members[group].iter().flat_map(|&member| &children[member]).copied().filter(|child| !within(child));
             let beside = self.parent(joint).into_iter().chain(children[joint].iter().copied()).filter(within);
-            let mut row: Vec<usize> = [joint, body].into_iter().chain(above).chain(below).chain(beside).collect();
+            let mut row: Vec<usize> = [joint, group].into_iter().chain(above).chain(below).chain(beside).collect();
             row.sort_unstable();
             row.dedup();
             vicinities.push_row(row);

@@ -206,7 +206,7 @@ impl Motions {
 
 /// The shift and stretch of a bone against the one above without its turn; `None` when there is nothing but the turn.
 ///
-/// The shift of a joint that is hung where its skin blends is how a cut chain turns, that of a segment how its body bends: no
+/// The shift of a joint that is hung where its skin blends is how a cut chain turns, that of a segment how its bone group bends: no
 /// more meant than a turn.
 fn intended(local: &DAffine3, head: DVec3, size: f64, shift_is_meant: bool) -> Option<DAffine3> {
     let shift = if shift_is_meant { local.transform_point3(head) - head } else { DVec3::ZERO };

@@ -1,4 +1,4 @@
-//! What is skinned: one site per distinct pair of rest position and influences. Twins that move alike share a site.
+//! What is skinned: one site per distinct pair of rest position and influences. Coincident vertices that move alike share one.
 //!
 //! Sites lie in the order of slots, so that a patch skins neighbours in memory.
 
@@ -23,7 +23,7 @@ pub(crate) struct Sites {
     pub site_of_vertex: Vec<u32>,
     /// Per slot and one past the last: first site. Padding has none.
     offsets: Vec<u32>,
-    /// Part of its point that each site has: of how many twins it is. Empty where every point has one site.
+    /// Part of its point that each site has: how many of its vertices it is. Empty where every point has one site.
     shares: Vec<f64>,
 }
 
@@ -34,7 +34,7 @@ impl Sites {
             topology.point_of_vertex.iter().zip(0..).map(|(&point, vertex)| (patches.slot_of_point[point as usize], vertex)).collect();
         let in_slots: Vec<(u32, u32)> = slots.iter().copied().filter(|(slot, _)| *slot != NO_SLOT).collect();
         let vertices_of_slot = Csr::from_pairs(patches.slot_count(), &in_slots);
-        // All that tells twins apart; -0 is 0.
+        // All that tells coincident vertices apart; -0 is 0.
         let key_of = |vertex: u32| {
             let vertex = vertex as usize;
             let (bones, weights) = of_vertex.of(vertex);
@@ -50,13 +50,13 @@ impl Sites {
             shares: Vec::new(),
         };
         let mut shares = Vec::new();
-        for twins in vertices_of_slot.rows() {
+        for coincident in vertices_of_slot.rows() {
             let first = result.rest.len();
             let mut leaders: Vec<(u32, f64)> = Vec::new();
             let mut place_of_key: HashMap<Vec<u64>, usize> = HashMap::new();
-            for &vertex in twins {
+            for &vertex in coincident {
                 let mut place = leaders.len();
-                if twins.len() > 1 {
+                if coincident.len() > 1 {
                     place = *place_of_key.entry(key_of(vertex)).or_insert(place);
                 }
                 if place == leaders.len() {
@@ -67,7 +67,7 @@ impl Sites {
             }
             for (leader, count) in leaders {
                 result.push(of_vertex, leader as usize, rest);
-                shares.push(count / twins.len() as f64);
+                shares.push(count / coincident.len() as f64);
             }
             result.offsets.push(result.rest.len() as u32);
         }

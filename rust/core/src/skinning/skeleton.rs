@@ -47,8 +47,8 @@ impl Skeleton {
         Ok(Self { parents, rest: rest_matrices.iter().map(affine).collect(), is_segment })
     }
 
-    /// Bones that are segments of the one above make one *body* with it, which bends: where the segments stand to each
-    /// other is how it bends, no more meant than a turn. Without segments each bone is a body.
+    /// Bones that are segments of the one above make one *bone group* with it, which bends: where the segments stand to each
+    /// other is how it bends, no more meant than a turn. Without segments each bone is a group.
     ///
     /// # Errors
     /// Another number than of bones; a segment without a parent.
@@ -62,8 +62,8 @@ impl Skeleton {
         Ok(Self { is_segment: is_segment.to_vec(), ..self })
     }
 
-    /// The bone whose segment this is, or itself.
-    pub(super) fn body(&self, bone: u32) -> u32 {
+    /// The first bone of its group: the one whose segment this is, or itself.
+    pub(super) fn bone_group(&self, bone: u32) -> u32 {
         std::iter::successors(Some(bone), |&b| self.parents[b as usize].filter(|_| self.is_segment[b as usize])).last().unwrap_or(bone)
     }
 

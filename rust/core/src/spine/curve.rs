@@ -12,7 +12,7 @@ use crate::spine::b_spline::{BSpline, KnotFlags};
 use crate::spine::cells::{Cells, Station};
 use crate::spine::closest::{Closest, Search};
 use crate::spine::frames::{across, any_across, least_rotation};
-use crate::spine::given::{Given, RESOLUTION_MAX, Samples};
+use crate::spine::imported_curve::{ImportedCurve, RESOLUTION_MAX, Samples};
 use crate::spine::interpolation::End;
 use crate::spine::pieces::{Bare, b_spline, polynomial};
 
@@ -84,7 +84,7 @@ pub struct Spine {
     /// First axis of the frame at the first station.
     normal: DVec3,
     resolution: usize,
-    /// Places of the given curve.
+    /// Places of the imported curve.
     checks: Vec<DVec3>,
     deviation: OnceLock<f64>,
     arc_length: OnceLock<ArcLength>,
@@ -127,7 +127,7 @@ impl Spine {
             check_length(what, handles.len(), points.len())?;
             check_finite(what, handles)?;
         }
-        Self::from_given(&Given::bezier(points, left_handles, right_handles), resolution, normal)
+        Self::from_imported(&ImportedCurve::bezier(points, left_handles, right_handles), resolution, normal)
     }
 
     /// Blender's NURBS spline; its stations are the ends of its spans.
@@ -153,7 +153,7 @@ impl Spine {
             return Err(Error::Value { what: "order", found: order as f64, needed: "2 to 6, and not more than there are points" });
         }
         let spline = BSpline::of_blender(points, weights, order, flags).ok_or(Error::NoSpan { found: points.len(), order })?;
-        Self::from_given(&Given::nurbs(spline), resolution, normal)
+        Self::from_imported(&ImportedCurve::nurbs(spline), resolution, normal)
     }
 
     /// Blender's poly spline, its corners rounded.
@@ -162,19 +162,19 @@ impl Spine {
     /// As `new`.
     pub fn from_poly(points: &[DVec3], resolution: Resolution, normal: Option<DVec3>) -> Result<Self> {
         check_points("points", points)?;
-        Self::from_given(&Given::Poly(points.to_vec()), resolution, normal)
+        Self::from_imported(&ImportedCurve::Poly(points.to_vec()), resolution, normal)
     }
 
-    fn from_given(given: &Given, resolution: Resolution, normal: Option<DVec3>) -> Result<Self> {
+    fn from_imported(curve: &ImportedCurve, resolution: Resolution, normal: Option<DVec3>) -> Result<Self> {
         match resolution {
-            Resolution::Samples(count) if (1..=RESOLUTION_MAX).contains(&count) => Self::from_samples(given.samples(count)?, normal),
+            Resolution::Samples(count) if (1..=RESOLUTION_MAX).contains(&count) => Self::from_samples(curve.samples(count)?, normal),
             Resolution::Samples(count) => {
                 Err(Error::Value { what: "resolution", found: count as f64, needed: "1 to 64 samples per segment" })
             }
             Resolution::Tolerance(part) if part > 0.0 && part.is_finite() => {
                 let mut count = 1;
                 loop {
-                    let spine = Self::from_samples(given.samples(count)?, normal)?;
+                    let spine = Self::from_samples(curve.samples(count)?, normal)?;
                     if count == RESOLUTION_MAX || spine.deviation() <= part * spine.length() {
                         return Ok(spine);
                     }
@@ -297,7 +297,7 @@ impl Spine {
         self.resolution
     }
 
-    /// Largest distance of the given curve, at samples between those that the spline passes through, from this one.
+    /// Largest distance of the imported curve, at samples between those that the spline passes through, from this one.
     pub fn deviation(&self) -> f64 {
         *self.deviation.get_or_init(|| {
             let distances = self.checks.iter().map(|&p| self.search().closest(&self.cells, p).distance);

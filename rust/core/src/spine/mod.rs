@@ -9,7 +9,7 @@ mod curve;
 mod fleshing;
 mod flow;
 mod frames;
-mod given;
+mod imported_curve;
 mod interpolation;
 mod matching;
 mod pieces;

@@ -138,28 +138,28 @@ impl Kind {
             Kind::Radial => {
                 let along = dot(k, q);
                 *clamped = c(ROOT).if_below(along, c(1.0), *clamped);
-                let held = c(ROOT).if_below(along, c(ROOT) / along.max(c(ROOT)), c(1.0));
+                let clamped = c(ROOT).if_below(along, c(ROOT) / along.max(c(ROOT)), c(1.0));
                 let w = largest_root(c(ROOT) - along.min(c(ROOT)));
-                let factor = held / w;
+                let factor = clamped / w;
                 [q[0] * factor, q[1] * factor]
             }
             Kind::Normal => {
                 let (unit, along) = direction(k, q);
                 *clamped = c(0.5).if_below(along, c(1.0), *clamped);
                 let x = dot(unit, q);
-                let held = c(0.5).if_below(along, x * (c(0.5) / along.max(c(0.5))), x);
+                let clamped = c(0.5).if_below(along, x * (c(0.5) / along.max(c(0.5))), x);
                 let root = (c(1.0) - c(2.0) * along.min(c(0.5))).max(c(0.0)).sqrt();
-                moved(q, unit, c(2.0) * held / (c(1.0) + root) - x)
+                moved(q, unit, c(2.0) * clamped / (c(1.0) + root) - x)
             }
             Kind::Binormal => {
                 let (unit, along) = direction(k, q);
                 *clamped = c(BINORMAL_MAX).if_below(along, c(1.0), *clamped);
                 let x = dot(unit, q);
-                let held = c(BINORMAL_MAX).if_below(along, x * (c(BINORMAL_MAX) / along.max(c(BINORMAL_MAX))), x);
+                let clamped = c(BINORMAL_MAX).if_below(along, x * (c(BINORMAL_MAX) / along.max(c(BINORMAL_MAX))), x);
                 let side = [-unit[1], unit[0]];
                 let factor = c(1.0) / (c(1.0) - along.min(c(BINORMAL_MAX)));
                 let y = dot(side, q);
-                moved(moved(q, unit, held - x), side, y * (factor - c(1.0)))
+                moved(moved(q, unit, clamped - x), side, y * (factor - c(1.0)))
             }
         }
     }

@@ -25,7 +25,7 @@ const LEAST_MASS: f64 = 1e-9;
 pub struct Diffusion {
     factor: Llt<u32, f64>,
     /// 2M/ℓ², with the middles of polygons.
-    hold: Vec<f64>,
+    masses_per_step: Vec<f64>,
     laplacian: Laplacian,
     count: usize,
 }
@@ -38,13 +38,13 @@ impl Diffusion {
         let mean = laplacian.masses.iter().sum::<f64>() / size as f64;
         let mean_length = |corners: &[u32]| corners.iter().map(|&p| lengths[p as usize]).sum::<f64>() / corners.len() as f64;
         let lengths = lengths.iter().copied().chain(laplacian.polygons.rows().map(mean_length));
-        let hold: Vec<f64> = laplacian
+        let masses_per_step: Vec<f64> = laplacian
             .masses
             .iter()
             .zip(lengths)
             .map(|(&mass, length)| if mean > 0.0 { STEPS as f64 * mass.max(LEAST_MASS * mean) / (length * length) } else { 1.0 })
             .collect();
-        let mut diagonal = hold.clone();
+        let mut diagonal = masses_per_step.clone();
         let mut entries = Vec::with_capacity(size + laplacian.edges.len());
         for &(a, b, weight) in &laplacian.edges {
             diagonal[a as usize] += weight;
@@ -55,7 +55,7 @@ impl Diffusion {
         let matrix = SparseColMat::<u32, f64>::try_new_from_triplets(size, size, &entries).ok()?;
         let order = SymbolicLlt::try_new(matrix.symbolic(), Side::Lower).ok()?;
         let factor = Llt::try_new_with_symbolic(order, matrix.as_ref(), Side::Lower).ok()?;
-        Some(Self { factor, hold, laplacian, count })
+        Some(Self { factor, masses_per_step, laplacian, count })
     }
 
     /// Diffuses columns of weights in place. `step` is called with the part that is done.
@@ -73,12 +73,12 @@ impl Diffusion {
     fn solve(&self, columns: &mut [f32]) {
         // Most bones are nowhere near most parts: columns of zeros stay zeros.
         let mut filled: Vec<&mut [f32]> = columns.chunks_mut(self.count).filter(|column| column.iter().any(|w| *w != 0.0)).collect();
-        let mut values = Vec::with_capacity(self.hold.len() * filled.len());
+        let mut values = Vec::with_capacity(self.masses_per_step.len() * filled.len());
         for column in &filled {
             self.append(&mut values, column.iter().map(|&w| f64::from(w)));
         }
         self.flow(&mut values);
-        for (column, values) in filled.iter_mut().zip(values.chunks(self.hold.len())) {
+        for (column, values) in filled.iter_mut().zip(values.chunks(self.masses_per_step.len())) {
             for (w, value) in column.iter_mut().zip(values) {
                 *w = value.max(0.0) as f32;
             }
@@ -87,12 +87,12 @@ impl Diffusion {
 
     /// Vectors per point, evened out.
     pub fn vectors(&self, vectors: &[DVec3]) -> Vec<DVec3> {
-        let mut values = Vec::with_capacity(3 * self.hold.len());
+        let mut values = Vec::with_capacity(3 * self.masses_per_step.len());
         for axis in 0..3 {
             self.append(&mut values, vectors.iter().map(|v| v[axis]));
         }
         self.flow(&mut values);
-        let at = |axis: usize, point: usize| values[axis * self.hold.len() + point];
+        let at = |axis: usize, point: usize| values[axis * self.masses_per_step.len() + point];
         (0..self.count).map(|point| DVec3::new(at(0, point), at(1, point), at(2, point))).collect()
     }
 
@@ -103,15 +103,15 @@ impl Diffusion {
         for corners in self.laplacian.polygons.rows() {
             values.push(corners.iter().map(|&p| values[start + p as usize]).sum::<f64>() / corners.len() as f64);
         }
-        debug_assert_eq!(values.len() - start, self.hold.len());
+        debug_assert_eq!(values.len() - start, self.masses_per_step.len());
     }
 
     /// All steps, of whole columns.
     fn flow(&self, values: &mut [f64]) {
-        let size = self.hold.len();
+        let size = self.masses_per_step.len();
         for _ in 0..STEPS {
             for column in values.chunks_mut(size) {
-                column.iter_mut().zip(&self.hold).for_each(|(value, hold)| *value *= hold);
+                column.iter_mut().zip(&self.masses_per_step).for_each(|(value, mass)| *value *= mass);
             }
             let count = values.len() / size;
             self.factor.solve_in_place_with_conj(Conj::No, MatMut::from_column_major_slice_mut(values, size, count));

@@ -40,15 +40,15 @@ impl Mesh {
         Ok(measures::volumes(&self.topology, &self.centred_points(positions)?))
     }
 
-    /// Derivative of the sum of component volumes by each vertex; twins share their point's.
+    /// Derivative of the sum of component volumes by each vertex; coincident ones share that of their point.
     ///
     /// # Errors
     /// Wrong length, positions that are not finite.
     pub fn volume_gradient(&self, positions: &[DVec3]) -> Result<Vec<DVec3>> {
         let gradient = measures::gradient(&self.topology, &self.centred_points(positions)?);
         let of_vertex = |&point: &u32| {
-            let twins = self.topology.vertices_of_point.row(point as usize).len() as f64;
-            gradient[point as usize] / twins
+            let count = self.topology.vertices_of_point.row(point as usize).len() as f64;
+            gradient[point as usize] / count
         };
         Ok(self.topology.point_of_vertex.iter().map(of_vertex).collect())
     }

@@ -64,7 +64,7 @@ pub struct Topology {
     pub point_of_vertex: Vec<u32>,
     /// Distinct points.
     pub point_count: usize,
-    /// Vertices of each point: its twins.
+    /// Vertices of each point, which coincide.
     pub vertices_of_point: Csr<u32>,
     /// Faces of sound components with their caps, as points, outward or inward all alike within a component.
     pub faces: Arc<Csr<u32>>,
@@ -108,14 +108,14 @@ impl Topology {
             + size_of_val(&*self.component_of_point)
     }
 
-    /// Means of the twins of each point.
+    /// Means of the vertices of each point.
     pub fn points(&self, positions: &[DVec3]) -> Vec<DVec3> {
         if self.is_identity() {
             return positions.to_vec();
         }
         self.vertices_of_point
             .rows()
-            .map(|twins| twins.iter().map(|&v| positions[v as usize]).sum::<DVec3>() / twins.len() as f64)
+            .map(|coincident| coincident.iter().map(|&v| positions[v as usize]).sum::<DVec3>() / coincident.len() as f64)
             .collect()
     }
 }
@@ -143,7 +143,7 @@ fn welded(positions: &[DVec3], face_offsets: &[i32], face_corners: &[i32], weld_
 pub struct OrientedFaces {
     /// (N,) welded point of each vertex.
     pub point_of_vertex: Vec<u32>,
-    /// Means of the twins of each point.
+    /// Means of the vertices of each point.
     pub points: Vec<DVec3>,
     /// Faces of all shells, sound or not, as points; those that welding left with fewer than three corners are gone.
     pub faces: Csr<u32>,
@@ -406,10 +406,10 @@ impl Surface {
             faces.push_row(face);
             component_of_face.push(component);
         }
-        let twins: Vec<(u32, u32)> = welding.point_of_vertex.iter().enumerate().map(|(v, &p)| (p, v as u32)).collect();
-        debug_assert_eq!(twins.len(), vertex_count);
+        let vertices: Vec<(u32, u32)> = welding.point_of_vertex.iter().enumerate().map(|(v, &p)| (p, v as u32)).collect();
+        debug_assert_eq!(vertices.len(), vertex_count);
         Topology {
-            vertices_of_point: Csr::from_pairs(welding.point_count, &twins),
+            vertices_of_point: Csr::from_pairs(welding.point_count, &vertices),
             point_of_vertex: welding.point_of_vertex,
             point_count: welding.point_count,
             faces: Arc::new(faces),

@@ -2,9 +2,9 @@
 
 use std::collections::{BTreeMap, HashMap};
 
+use super::bone_paths::BonePaths;
 use super::overlap::{Passing, Scene};
 use super::sheets::{EVERYTHING, Sheets};
-use super::tracks::Tracks;
 use super::voxels::{NONE, Voxels};
 use crate::numeric::csr::Csr;
 use crate::numeric::union_find::UnionFind;
@@ -14,13 +14,13 @@ const MOST_PAIRS: usize = 1 << 26;
 
 /// Divides voxels in which solids pass through each other, and cuts the ways between those solids. `cells` are those of
 /// each shell. Nothing changes where all is one solid.
-pub fn divide(voxels: &mut Voxels, cells: &[Vec<u32>], tracks: &Tracks, bone_count: usize) {
+pub fn divide(voxels: &mut Voxels, cells: &[Vec<u32>], paths: &BonePaths, bone_count: usize) {
     // Shells that do not share a cell may still touch, but one alone cannot.
     if cells.iter().filter(|cells| !cells.is_empty()).count() < 2 {
         return;
     }
-    let voxel_of_sample: Vec<u32> = tracks.places.iter().map(|&p| voxels.cell_at(p).map_or(NONE, |cell| voxels.of_cell(cell))).collect();
-    let mut sampled: Vec<u32> = tracks.places.iter().filter_map(|&p| voxels.cell_at(p)).collect();
+    let voxel_of_sample: Vec<u32> = paths.places.iter().map(|&p| voxels.cell_at(p).map_or(NONE, |cell| voxels.of_cell(cell))).collect();
+    let mut sampled: Vec<u32> = paths.places.iter().filter_map(|&p| voxels.cell_at(p)).collect();
     sampled.sort_unstable();
     sampled.dedup();
     let bearing: Vec<u32> = (0..cells.len() as u32).filter(|&shell| meet(&cells[shell as usize], &sampled)).collect();
@@ -40,7 +40,7 @@ pub fn divide(voxels: &mut Voxels, cells: &[Vec<u32>], tracks: &Tracks, bone_cou
     if shells_of_voxel.rows().filter(is_mixed).map(|row| row.len() * row.len()).sum::<usize>() > MOST_PAIRS {
         return;
     }
-    let scene = Scene { voxels, shells_of_voxel: &shells_of_voxel, tracks, voxel_of_sample: &voxel_of_sample };
+    let scene = Scene { voxels, shells_of_voxel: &shells_of_voxel, paths, voxel_of_sample: &voxel_of_sample };
     let mut passings: Vec<Passing> =
         touching(voxels, &shells_of_voxel, &bones).into_iter().filter_map(|([a, b], both)| scene.passing([a, b], &both)).collect();
     if passings.is_empty() {
@@ -51,7 +51,7 @@ pub fn divide(voxels: &mut Voxels, cells: &[Vec<u32>], tracks: &Tracks, bone_cou
     for (rank, &shell) in bearing.iter().enumerate() {
         viewer_of_shell[shell as usize] = rank as u32 + 1;
     }
-    let (lists, sheet_of_node, twins, first_cells) = nodes(&shells_of_voxel, &contested);
+    let (lists, sheet_of_node, next_nodes, first_cells) = nodes(&shells_of_voxel, &contested);
     let mut is_blocked = vec![false; bearing.len() * bearing.len()];
     let mut is_barred = vec![false; bearing.len() * bone_count];
     for passing in &passings {
@@ -78,7 +78,7 @@ pub fn divide(voxels: &mut Voxels, cells: &[Vec<u32>], tracks: &Tracks, bone_cou
                 list.is_empty() || list.iter().any(|&shell| !is_barred[shell as usize * bone_count + bone]);
         }
     }
-    let sheets = Sheets { sheet: sheet_of_node, twins, viewer_of_shell, sheet_count, is_seen, is_held };
+    let sheets = Sheets { sheet: sheet_of_node, next_nodes, viewer_of_shell, sheet_count, is_seen, is_held };
     // Ways lead on in shells that two nodes share, and from shell to shell where nothing is against it.
     let share = |a: u32, b: u32| lists[a as usize].iter().any(|shell| lists[b as usize].contains(shell));
     let is_free = |a: u32, b: u32| !lists[a as usize].iter().any(|&m| lists[b as usize].iter().any(|&n| are_blocked(m, n)));
@@ -192,7 +192,7 @@ fn contested(shells_of_voxel: &Csr<u32>, passings: &mut [Passing]) -> BTreeMap<u
     }
 }
 
-/// Lists of shells per sheet; per node its sheet and its twin; voxels of the nodes that are added to the first ones.
+/// Lists of shells per sheet; per node its sheet and the next node of its voxel; voxels of the nodes that are added to the first ones.
 fn nodes(shells_of_voxel: &Csr<u32>, contested: &BTreeMap<u32, Vec<Vec<u32>>>) -> (Vec<Vec<u32>>, Vec<u32>, Vec<u32>, Vec<u32>) {
     let mut lists: Vec<Vec<u32>> = Vec::new();
     let mut numbers: HashMap<Vec<u32>, u32> = HashMap::new();
@@ -215,17 +215,17 @@ fn nodes(shells_of_voxel: &Csr<u32>, contested: &BTreeMap<u32, Vec<Vec<u32>>>) -
         last = Some((row, sheet));
         sheets.push(sheet);
     }
-    let mut twins = vec![NONE; sheets.len()];
+    let mut next_nodes = vec![NONE; sheets.len()];
     let mut voxels = Vec::new();
     for (&voxel, lists) in contested {
         let mut previous = voxel as usize;
         for list in &lists[1..] {
-            twins[previous] = sheets.len() as u32;
+            next_nodes[previous] = sheets.len() as u32;
             previous = sheets.len();
             sheets.push(number(list));
-            twins.push(NONE);
+            next_nodes.push(NONE);
             voxels.push(voxel);
         }
     }
-    (lists, sheets, twins, voxels)
+    (lists, sheets, next_nodes, voxels)
 }

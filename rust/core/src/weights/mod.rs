@@ -2,6 +2,7 @@
 //!
 //! Everything is measured in voxels, so that the unit of the scene does not matter.
 
+mod bone_paths;
 mod crossings;
 mod distances;
 mod dividing;
@@ -18,7 +19,6 @@ mod shell;
 mod skin;
 mod solid;
 mod sources;
-mod tracks;
 mod voxels;
 
 use glam::DVec3;

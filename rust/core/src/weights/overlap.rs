@@ -4,7 +4,7 @@
 //! part of it, an arm that is stuck into a trunk is where its bones come out of the trunk. Less than a quarter of a bone
 //! does not count: it does not matter where exactly bones end, or how far they stick out of their skin.
 
-use super::tracks::{NO_BONE, Tracks};
+use super::bone_paths::{BonePaths, NO_BONE};
 use super::voxels::{NONE, Voxels};
 use crate::numeric::csr::Csr;
 use crate::numeric::union_find::UnionFind;
@@ -33,7 +33,7 @@ pub struct Passing {
 pub struct Scene<'a> {
     pub voxels: &'a Voxels,
     pub shells_of_voxel: &'a Csr<u32>,
-    pub tracks: &'a Tracks,
+    pub paths: &'a BonePaths,
     pub voxel_of_sample: &'a [u32],
 }
 
@@ -41,7 +41,7 @@ impl Scene<'_> {
     /// Two shells that touch, with the voxels of both, sorted; None where they are one as they stand.
     pub fn passing(&self, shells: [u32; 2], both: &[u32]) -> Option<Passing> {
         let classes = self.classes(shells)?;
-        let Tracks { places, bones, ties, .. } = self.tracks;
+        let BonePaths { places, bones, ties, .. } = self.paths;
         let mut runs = UnionFind::new(places.len());
         for &[i, j] in ties {
             if classes[i as usize] == BETWEEN && classes[j as usize] == BETWEEN {
@@ -92,7 +92,7 @@ impl Scene<'_> {
 
     /// Per sample where it is; None if not both shells have bones of their own.
     fn classes(&self, shells: [u32; 2]) -> Option<Vec<u8>> {
-        let Tracks { bones, ties, counts, .. } = self.tracks;
+        let BonePaths { bones, ties, counts, .. } = self.paths;
         let has = |voxel: u32, shell: u32| voxel != NONE && self.shells_of_voxel.row(voxel as usize).contains(&shell);
         let class = |&voxel: &u32| match shells.map(|shell| has(voxel, shell)) {
             [true, false] => FIRST,
@@ -165,7 +165,7 @@ impl Scene<'_> {
         let distance = |part: &[u32]| {
             let each = |&voxel: &u32| {
                 let centre = self.voxels.centre(voxel);
-                way.iter().map(|&s| self.tracks.places[s as usize].distance(centre)).fold(f64::INFINITY, f64::min)
+                way.iter().map(|&s| self.paths.places[s as usize].distance(centre)).fold(f64::INFINITY, f64::min)
             };
             part.iter().map(each).fold(f64::INFINITY, f64::min)
         };

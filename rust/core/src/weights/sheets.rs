@@ -11,7 +11,7 @@ pub struct Sheets {
     /// Per node, the sheet it is of.
     pub sheet: Vec<u32>,
     /// Per node the next one in the same voxel.
-    pub twins: Vec<u32>,
+    pub next_nodes: Vec<u32>,
     pub viewer_of_shell: Vec<u32>,
     pub sheet_count: usize,
     /// Viewers by sheets.
@@ -39,6 +39,6 @@ impl Sheets {
     }
 
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.sheet) + size_of_val(&*self.twins)
+        size_of_val(&*self.sheet) + size_of_val(&*self.next_nodes)
     }
 }

@@ -4,11 +4,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::Bones;
+use super::bone_paths::BonePaths;
 use super::dividing::divide;
 use super::lattice::{Extent, Lattice, Plane};
 use super::shell::{MOST_CELLS, shell_cells};
 use super::skin::Skin;
-use super::tracks::Tracks;
 use super::voxels::Voxels;
 use crate::error::{Error, Result};
 use crate::surface::polygons::{Cut, cut};
@@ -94,8 +94,8 @@ impl Solid {
             cells_of_shell[shell as usize] = cells;
         }
         let ends = bones.heads.iter().zip(bones.tails).map(|(&head, &tail)| [head, tail].map(|p| lattice.in_voxels(p)));
-        let tracks = Tracks::new(lattice.dims, &ends.collect::<Vec<_>>(), bones.parents);
-        divide(&mut voxels, &cells_of_shell, &tracks, bones.heads.len());
+        let paths = BonePaths::new(lattice.dims, &ends.collect::<Vec<_>>(), bones.parents);
+        divide(&mut voxels, &cells_of_shell, &paths, bones.heads.len());
         Ok((!voxels.is_empty()).then_some(Self { lattice, voxels, points, cells_of_shell }))
     }
 

@@ -111,8 +111,8 @@ impl Voxels {
     pub fn divide(&mut self, sheets: Sheets, added: &[u32], is_way: impl Fn(u32, u32, bool) -> bool) {
         let count = self.len();
         let nodes_in =
-            |voxel: u32| std::iter::successors(Some(voxel), |&node| Some(sheets.twins[node as usize]).filter(|&twin| twin != NONE));
-        let is_contested = |voxel: u32| sheets.twins[voxel as usize] != NONE;
+            |voxel: u32| std::iter::successors(Some(voxel), |&node| Some(sheets.next_nodes[node as usize]).filter(|&next| next != NONE));
+        let is_contested = |voxel: u32| sheets.next_nodes[voxel as usize] != NONE;
         let mut neighbours = Vec::with_capacity(count + added.len());
         for (node, voxel) in (0..count as u32).chain(added.iter().copied()).enumerate() {
             neighbours.push(self.neighbours[voxel as usize].map(|other| {
@@ -133,8 +133,8 @@ impl Voxels {
     /// All nodes of a voxel, which is the first of them.
     #[inline]
     pub fn nodes_in(&self, voxel: u32) -> impl Iterator<Item = u32> {
-        let twin = |&node: &u32| self.sheets.as_ref().map(|s| s.twins[node as usize]).filter(|&twin| twin != NONE);
-        std::iter::successors((voxel != NONE).then_some(voxel), twin)
+        let next = |&node: &u32| self.sheets.as_ref().map(|s| s.next_nodes[node as usize]).filter(|&next| next != NONE);
+        std::iter::successors((voxel != NONE).then_some(voxel), next)
     }
 
     /// Whether points of a shell see a node.

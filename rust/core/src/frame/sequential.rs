@@ -15,8 +15,8 @@ use crate::parallel::split::{Ragged, for_each_piece};
 use crate::surface::sweeps::{self, Buffer};
 
 impl Workspace {
-    /// The paper's order: parents first, axis after axis, each on the mesh so far. The residual's field stays as `give_back` made it.
-    pub(crate) fn give_back_in_order(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
+    /// The paper's order: parents first, axis after axis, each on the mesh so far. The residual's field stays as `correct_simultaneously` made it.
+    pub(crate) fn correct_sequentially(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
         self.add_fields(
             binding,
             supports,
@@ -35,17 +35,17 @@ impl Workspace {
                 let state = &mut self.jobs[*job];
                 (state.regained, state.displacement, state.is_capped) = (0.0, 0.0, false);
             }
-            let shares: Vec<[f64; 4]> = mine.iter().map(|&j| self.jobs[j].frame.ordered_shares(&self.jobs[j].hold)).collect();
+            let shares: Vec<[f64; 4]> = mine.iter().map(|&j| self.jobs[j].frame.ordered_shares(&self.jobs[j].capacity)).collect();
             for step in 0..4 {
                 if shares.iter().all(|s| s[step] == 0.0) {
                     continue;
                 }
                 self.sweep_moved(binding);
-                self.hold(binding, supports, settings, Pass::Some(&mine));
+                self.sum_capacities(binding, supports, settings, Pass::Some(&mine));
                 for (&job, shares) in mine.iter().zip(&shares) {
                     let state = &mut self.jobs[job];
-                    let shell = self.components[binding.plan.jobs[job].component as usize].wide_hold;
-                    state.take(Field::new(&state.frame.for_step(step), &state.hold, shell, state.volume * shares[step]));
+                    let shell = self.components[binding.plan.jobs[job].component as usize].wide_capacity;
+                    state.use_field(Field::new(&state.frame.for_step(step), &state.capacity, shell, state.volume * shares[step]));
                 }
                 self.add_fields(
                     binding,

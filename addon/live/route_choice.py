@@ -9,7 +9,7 @@ import numpy as np
 
 from .. import runtime
 from ..properties.carrier import TurgorCarrier
-from ..scene import carrier, node_group, probe
+from ..scene import carrier, node_group, pull_probe
 
 PACKAGE = __package__.rpartition(".")[0]
 
@@ -47,7 +47,7 @@ def self_test() -> str | None:
     TurgorCarrier.on_tick = staticmethod(_write_test_offset)
     try:
         with runtime.quiet():
-            reading = probe.read_probe()
+            reading = pull_probe.read_probe()
             node_group.remove_unused()
     finally:
         TurgorCarrier.on_tick = staticmethod(hook)

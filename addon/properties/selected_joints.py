@@ -28,7 +28,7 @@ def edited_joints(saved: bpy.types.PropertyGroup) -> list[TurgorJoint]:
     return [saved.joints[place] for place in places]
 
 
-class TurgorSeveral(bpy.types.PropertyGroup):
+class TurgorSelectedJoints(bpy.types.PropertyGroup):
     """The active joint and all selected ones."""
 
     __annotations__: dict[str, Any]
@@ -41,29 +41,31 @@ def _proxy(name: str) -> Any:
     return declared.function(**look, get=get, set=set_all, options=set())
 
 
-def _access(name: str) -> tuple[Callable[[TurgorSeveral], Any], Callable[[TurgorSeveral, Any], None]]:
-    def get(several: TurgorSeveral) -> Any:
+def _access(name: str) -> tuple[Callable[[TurgorSelectedJoints], Any], Callable[[TurgorSelectedJoints, Any], None]]:
+    def get(several: TurgorSelectedJoints) -> Any:
         joints = edited_joints(several.id_data.turgor)
         return getattr(joints[0], name) if joints else _DECLARED[name].keywords.get("default", 0.0)
 
-    def set_all(several: TurgorSeveral, value: Any) -> None:
+    def set_all(several: TurgorSelectedJoints, value: Any) -> None:
         for joint in edited_joints(several.id_data.turgor):
             setattr(joint, name, value)
 
     return get, set_all
 
 
-def _enum_access(name: str) -> tuple[Callable[[TurgorSeveral], int], Callable[[TurgorSeveral, int], None]]:
+def _enum_access(
+    name: str,
+) -> tuple[Callable[[TurgorSelectedJoints], int], Callable[[TurgorSelectedJoints, int], None]]:
     """Enumerations are read and written by number."""
 
     def items() -> Any:
         return TurgorJoint.bl_rna.properties[name].enum_items
 
-    def get(several: TurgorSeveral) -> int:
+    def get(several: TurgorSelectedJoints) -> int:
         joints = edited_joints(several.id_data.turgor)
         return items()[getattr(joints[0], name)].value if joints else 0
 
-    def set_all(several: TurgorSeveral, value: int) -> None:
+    def set_all(several: TurgorSelectedJoints, value: int) -> None:
         chosen = next(item.identifier for item in items() if item.value == value)
         for joint in edited_joints(several.id_data.turgor):
             setattr(joint, name, chosen)
@@ -71,4 +73,4 @@ def _enum_access(name: str) -> tuple[Callable[[TurgorSeveral], int], Callable[[T
     return get, set_all
 
 
-TurgorSeveral.__annotations__ = {name: _proxy(name) for name in NAMES}
+TurgorSelectedJoints.__annotations__ = {name: _proxy(name) for name in NAMES}

@@ -1,6 +1,6 @@
-//! Skinning by stages: all points of a body follow the joint above it, then one joint after the other turns.
+//! Skinning by stages: all points of a portion follow the joint above it, then one joint after the other turns.
 //!
-//! Every joint does the same to all points of a body, by their weight: loops over points that compile to SIMD. Where there
+//! Every joint does the same to all points of a portion, by their weight: loops over points that compile to SIMD. Where there
 //! is no closed form of losses, for dual quaternions and rest shapes that change, the volume is taken at every stage.
 //! The last stage is the skinned surface itself, so the changes sum to the whole by construction.
 
@@ -8,7 +8,6 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f64x8};
 use glam::DVec3;
 
-use crate::losses::job::{Anatomy, Bodies, Change, Job, Moment, find_job, joints_of, moved_volume};
 use crate::numeric::block_rows::{Block, BlockRows, LANES, PATCH_POINTS};
 use crate::numeric::csr::Csr;
 use crate::numeric::lanes::{self, Four, V4, add_scaled, scale, sub};
@@ -16,31 +15,32 @@ use crate::skinning::blend::Mode;
 use crate::skinning::motions::Motions;
 use crate::skinning::sites::Sites;
 use crate::surface::sweeps;
+use crate::volume_losses::job::{Anatomy, Change, Job, Moment, Portions, find_job, joints_of, moved_volume};
 
-/// What deforms each body: patches, then giants.
+/// What deforms each portion: patches, then giants.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Stages {
-    /// Joint above each body, and the body's component.
+    /// Joint above each portion, and the portion's component.
     tops: Vec<u16>,
     components: Vec<u32>,
-    /// Per body, joints that deform it, parents first.
+    /// Per portion, joints that deform it, parents first.
     joints: Csr<u16>,
     /// The same as jobs.
     jobs: Csr<u32>,
-    /// Per body: the first of its rows of weights.
+    /// Per portion: the first of its rows of weights.
     first_rows: Vec<u32>,
-    /// Weight of all that hangs on a joint: per body and joint a row for each `PATCH_POINTS` of its points.
+    /// Weight of all that hangs on a joint: per portion and joint a row for each `PATCH_POINTS` of its points.
     weights: BlockRows<f64>,
-    /// Per body and one past the last: where its rest positions start, three rows of whole blocks.
+    /// Per portion and one past the last: where its rest positions start, three rows of whole blocks.
     rest_offsets: Vec<u32>,
     rest: Vec<f64>,
-    /// Per body, whether each of its points is one site, and joints are few.
+    /// Per portion, whether each of its points is one site, and joints are few.
     is_single: Vec<bool>,
 }
 
-/// One body in one frame.
+/// One portion in one frame.
 #[derive(Clone, Copy)]
-pub(crate) struct Body<'a> {
+pub(crate) struct Portion<'a> {
     pub index: usize,
     pub slots: &'a [u32],
     pub sites: &'a Sites,
@@ -51,7 +51,7 @@ pub(crate) struct Body<'a> {
     pub moment: Moment,
 }
 
-/// Coordinates of the points of one body, row after row: rest in three, blended motion in eight.
+/// Coordinates of the points of one portion, row after row: rest in three, blended motion in eight.
 pub(crate) struct Rows<'a> {
     place: [&'a mut [f64]; 3],
     /// Position where skinning is linear, else the rotation.
@@ -59,7 +59,7 @@ pub(crate) struct Rows<'a> {
     dual: [&'a mut [f64]; 4],
 }
 
-/// Rows of a body.
+/// Rows of a portion.
 pub(crate) const ROWS: usize = 11;
 
 impl<'a> Rows<'a> {
@@ -76,11 +76,11 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// Bodies that more joints deform are skinned vertex by vertex.
+/// Portions that more joints deform are skinned vertex by vertex.
 const JOINTS_MAX: usize = 32;
 
 impl Stages {
-    /// Bodies are patches, then giants.
+    /// Portions are patches, then giants.
     pub fn new(anatomy: &Anatomy, jobs: &[Job]) -> Self {
         let mut result = Self::default();
         result.rest_offsets.push(0);
@@ -95,11 +95,11 @@ impl Stages {
         result
     }
 
-    /// Bodies with their moments at rest.
-    pub fn bodies(&self, anatomy: &Anatomy) -> Bodies {
+    /// Portions with their moments at rest.
+    pub fn portions(&self, anatomy: &Anatomy) -> Portions {
         let Anatomy { patches, sites, .. } = *anatomy;
         let place = |slot: &u32| sites.mean(*slot as usize, |site| sites.rest[site]);
-        let mut bodies = Bodies::default();
+        let mut portions = Portions::default();
         let mut tops = self.tops.iter().map(|&top| u32::from(top));
         let mut buffer = [lanes::ZERO; PATCH_POINTS];
         for (patch, top) in patches.list.iter().zip(&mut tops) {
@@ -107,13 +107,13 @@ impl Stages {
                 *p = place(slot);
             }
             let (volume, area) = dispatch!(Level::new(), simd => sweeps::moment(simd, patches, patch, &buffer));
-            bodies.push(patch.component, top, (volume, lanes::to(area)));
+            portions.push(patch.component, top, (volume, lanes::to(area)));
         }
         for (giant, top) in patches.giants.iter().zip(&mut tops) {
             let places: Vec<V4> = giant.corners.iter().map(place).collect();
-            bodies.push(giant.component, top, giant_moment(&places));
+            portions.push(giant.component, top, giant_moment(&places));
         }
-        bodies
+        portions
     }
 
     fn push(&mut self, anatomy: &Anatomy, slots: &[u32], component: u32, jobs: &[Job]) {
@@ -161,22 +161,22 @@ impl Stages {
             + size_of_val(&*self.rest)
     }
 
-    /// Joints that deform a body.
-    pub fn joint_count(&self, body: usize) -> usize {
-        self.joints.row(body).len()
+    /// Joints that deform a portion.
+    pub fn joint_count(&self, portion: usize) -> usize {
+        self.joints.row(portion).len()
     }
 
-    /// Changes of all bodies.
+    /// Changes of all portions.
     pub fn change_count(&self) -> usize {
         self.joints.values().len()
     }
 
-    /// Per body and one past the last: where its changes start, one per joint.
+    /// Per portion and one past the last: where its changes start, one per joint.
     pub fn change_offsets(&self) -> &[u32] {
         self.joints.offsets()
     }
 
-    /// Adds the changes of all bodies to those of jobs.
+    /// Adds the changes of all portions to those of jobs.
     pub fn gather(&self, changes: &[Change], of_job: &mut [Change]) {
         for (change, &job) in changes.iter().zip(self.jobs.values()) {
             if let Some(sum) = of_job.get_mut(job as usize) {
@@ -185,49 +185,49 @@ impl Stages {
         }
     }
 
-    /// True when the last stage is the skinned body: its points are not split, and no bone's rotation lies so far from
+    /// True when the last stage is the skinned portion: its points are not split, and no bone's rotation lies so far from
     /// another's that Blender would turn its sign.
     #[inline(always)]
-    pub fn ends_skinned(&self, body: Body) -> bool {
-        let palette = &body.motions.palette;
-        if !self.is_single[body.index] {
+    pub fn ends_skinned(&self, portion: Portion) -> bool {
+        let palette = &portion.motions.palette;
+        if !self.is_single[portion.index] {
             return false;
         }
-        let joints = self.joints.row(body.index);
-        let all = || joints.iter().map(|&j| usize::from(j)).chain([self.above(body)]).map(|motion| palette.rotation(motion));
+        let joints = self.joints.row(portion.index);
+        let all = || joints.iter().map(|&j| usize::from(j)).chain([self.above(portion)]).map(|motion| palette.rotation(motion));
         palette.mode == Mode::Linear || all().enumerate().all(|(i, a)| all().skip(i + 1).all(|b| lanes::sum(lanes::mul(a, b)) >= 0.0))
     }
 
     /// Positions as all joints leave them: those of the skin where `ends_skinned`.
     #[inline(always)]
-    pub fn skin<S: Simd>(&self, simd: S, body: Body, mut rows: Rows, positions: &mut [V4]) {
-        self.start(simd, body, &mut rows);
-        for (stage, &joint) in self.joints.row(body.index).iter().enumerate() {
-            self.add(simd, body, stage, usize::from(joint), &mut rows);
+    pub fn skin<S: Simd>(&self, simd: S, portion: Portion, mut rows: Rows, positions: &mut [V4]) {
+        self.start(simd, portion, &mut rows);
+        for (stage, &joint) in self.joints.row(portion.index).iter().enumerate() {
+            self.add(simd, portion, stage, usize::from(joint), &mut rows);
         }
-        place_all(simd, body, &rows, positions);
+        place_all(simd, portion, &rows, positions);
     }
 
-    /// What each joint's turn does to one body; `positions` end as all joints leave them.
+    /// What each joint's turn does to one portion; `positions` end as all joints leave them.
     ///
     /// Returns the last joint that moves. Its loss is the volume before it: the caller takes from that the volume after it.
     #[inline(always)]
     pub fn measure<S: Simd, P: AsMut<[V4]>>(
         &self,
         simd: S,
-        body: Body,
+        portion: Portion,
         mut rows: Rows,
         positions: &mut P,
         volume: impl Fn(&P) -> f64,
         changes: &mut [Change],
     ) -> Option<usize> {
         changes.fill(Change::default());
-        let motions = body.motions;
-        let joints = self.joints.row(body.index);
-        let component = self.components[body.index];
+        let motions = portion.motions;
+        let joints = self.joints.row(portion.index);
+        let component = self.components[portion.index];
         let last = joints.iter().rposition(|&j| !motions.is_still_in(component, usize::from(j)));
-        self.start(simd, body, &mut rows);
-        let mut before = moved_volume(motions.palette.alone(self.above(body)), body.moment);
+        self.start(simd, portion, &mut rows);
+        let mut before = moved_volume(motions.palette.alone(self.above(portion)), portion.moment);
         for (stage, change) in changes.iter_mut().enumerate().take(last.map_or(0, |last| last + 1)) {
             let joint = usize::from(joints[stage]);
             if motions.is_still_in(component, joint) {
@@ -235,45 +235,45 @@ impl Stages {
             }
             let mut stretched = before;
             if let Some(motion) = motions.intent(component, joint) {
-                self.add(simd, body, stage, motion, &mut rows);
-                place_all(simd, body, &rows, positions.as_mut());
+                self.add(simd, portion, stage, motion, &mut rows);
+                place_all(simd, portion, &rows, positions.as_mut());
                 stretched = volume(positions);
-                self.start(simd, body, &mut rows);
+                self.start(simd, portion, &mut rows);
                 for (earlier, &joint) in joints[..stage].iter().enumerate() {
-                    self.add(simd, body, earlier, usize::from(joint), &mut rows);
+                    self.add(simd, portion, earlier, usize::from(joint), &mut rows);
                 }
             }
-            self.add(simd, body, stage, joint, &mut rows);
+            self.add(simd, portion, stage, joint, &mut rows);
             *change = Change { intent: stretched - before, loss: stretched };
             if Some(stage) != last {
-                place_all(simd, body, &rows, positions.as_mut());
+                place_all(simd, portion, &rows, positions.as_mut());
                 before = volume(positions);
                 change.loss -= before;
             }
         }
-        place_all(simd, body, &rows, positions.as_mut());
+        place_all(simd, portion, &rows, positions.as_mut());
         last
     }
 
-    /// Index of the motion of a body before any of its joints turns.
+    /// Index of the motion of a portion before any of its joints turns.
     #[inline(always)]
-    fn above(&self, body: Body) -> usize {
-        body.motions.whole(self.components[body.index], usize::from(self.tops[body.index]))
+    fn above(&self, portion: Portion) -> usize {
+        portion.motions.whole(self.components[portion.index], usize::from(self.tops[portion.index]))
     }
 
     /// All points as what is above leaves them.
     #[inline(always)]
-    fn start<S: Simd>(&self, simd: S, body: Body, rows: &mut Rows) {
-        let palette = &body.motions.palette;
-        let top = self.above(body);
-        let count = body.slots.len();
+    fn start<S: Simd>(&self, simd: S, portion: Portion, rows: &mut Rows) {
+        let palette = &portion.motions.palette;
+        let top = self.above(portion);
+        let count = portion.slots.len();
         if palette.mode == Mode::Linear {
-            if body.shaped_rest.is_some() {
-                self.put_at_rest(body, rows);
+            if portion.shaped_rest.is_some() {
+                self.put_at_rest(portion, rows);
             }
             let m = palette.alone(top);
             let moved = Eightfold::new(simd, |column, axis| m[column][axis]);
-            let places = self.places(body, &rows.place);
+            let places = self.places(portion, &rows.place);
             let [qx, qy, qz] = blocks_of(&mut rows.blend);
             for number in 0..count.div_ceil(LANES) {
                 let [x, y, z] = moved.of(simd, places, number);
@@ -281,7 +281,7 @@ impl Stages {
             }
             return;
         }
-        self.put_at_rest(body, rows);
+        self.put_at_rest(portion, rows);
         let [x, y, z] = rows.place.each_mut().map(|row| &mut row[..count]);
         let m = palette.armature_columns();
         for i in 0..count {
@@ -299,50 +299,50 @@ impl Stages {
 
     /// What joints turn about: for linear skinning the points at rest, as they are kept where no shape key changes them.
     #[inline(always)]
-    fn places<'a>(&'a self, body: Body, place: &'a [&mut [f64]; 3]) -> [&'a [Block<f64>]; 3] {
-        let is_kept = body.motions.palette.mode == Mode::Linear && body.shaped_rest.is_none();
-        let rows = if is_kept { self.rest_of(body) } else { place.each_ref().map(|row| &**row) };
+    fn places<'a>(&'a self, portion: Portion, place: &'a [&mut [f64]; 3]) -> [&'a [Block<f64>]; 3] {
+        let is_kept = portion.motions.palette.mode == Mode::Linear && portion.shaped_rest.is_none();
+        let rows = if is_kept { self.rest_of(portion) } else { place.each_ref().map(|row| &**row) };
         rows.map(|row| row.as_chunks().0)
     }
 
     #[inline(always)]
-    fn rest_of(&self, body: Body) -> [&[f64]; 3] {
-        let rest = &self.rest[self.rest_offsets[body.index] as usize..self.rest_offsets[body.index + 1] as usize];
+    fn rest_of(&self, portion: Portion) -> [&[f64]; 3] {
+        let rest = &self.rest[self.rest_offsets[portion.index] as usize..self.rest_offsets[portion.index + 1] as usize];
         let (x, yz) = rest.split_at(rest.len() / 3);
         let (y, z) = yz.split_at(yz.len() / 2);
         [x, y, z]
     }
 
     #[inline(always)]
-    fn put_at_rest(&self, body: Body, rows: &mut Rows) {
-        let count = body.slots.len();
-        if let Some(rest) = body.shaped_rest {
-            for (i, &slot) in body.slots.iter().enumerate() {
-                let p = body.sites.mean(slot as usize, |site| rest[site]);
+    fn put_at_rest(&self, portion: Portion, rows: &mut Rows) {
+        let count = portion.slots.len();
+        if let Some(rest) = portion.shaped_rest {
+            for (i, &slot) in portion.slots.iter().enumerate() {
+                let p = portion.sites.mean(slot as usize, |site| rest[site]);
                 rows.place.iter_mut().zip(p).for_each(|(row, p)| row[i] = p);
             }
             return;
         }
-        for (row, rest) in rows.place.iter_mut().zip(self.rest_of(body)) {
+        for (row, rest) in rows.place.iter_mut().zip(self.rest_of(portion)) {
             row[..count].copy_from_slice(&rest[..count]);
         }
     }
 
     /// Lets a joint follow `motion` where it followed its parent.
     #[inline(always)]
-    fn add<S: Simd>(&self, simd: S, body: Body, stage: usize, motion: usize, rows: &mut Rows) {
-        let palette = &body.motions.palette;
-        let parent = body.motions.above(self.components[body.index], usize::from(self.joints.row(body.index)[stage]));
-        let stretches = body.slots.len().div_ceil(PATCH_POINTS);
-        let first_row = self.first_rows[body.index] as usize + stage * stretches;
+    fn add<S: Simd>(&self, simd: S, portion: Portion, stage: usize, motion: usize, rows: &mut Rows) {
+        let palette = &portion.motions.palette;
+        let parent = portion.motions.above(self.components[portion.index], usize::from(self.joints.row(portion.index)[stage]));
+        let stretches = portion.slots.len().div_ceil(PATCH_POINTS);
+        let first_row = self.first_rows[portion.index] as usize + stage * stretches;
         for stretch in 0..stretches {
-            let (held, parts) = self.weights.row(first_row + stretch);
+            let (present, parts) = self.weights.row(first_row + stretch);
             let first = stretch * (PATCH_POINTS / LANES);
-            let blocks = || held.numbered(parts).map(|(number, part)| (first + number, part));
+            let blocks = || present.numbered(parts).map(|(number, part)| (first + number, part));
             if palette.mode == Mode::Linear {
                 let (to, from) = (palette.alone(motion), palette.alone(parent));
                 let turned = Eightfold::new(simd, |column, axis| to[column][axis] - from[column][axis]);
-                let places = self.places(body, &rows.place);
+                let places = self.places(portion, &rows.place);
                 let [qx, qy, qz] = blocks_of(&mut rows.blend);
                 for (number, part) in blocks() {
                     let [x, y, z] = turned.of(simd, places, number);
@@ -430,11 +430,11 @@ fn add_parts<S: Simd>(simd: S, sums: &mut Block<f64>, parts: &Block<f64>, of: f6
 
 /// Positions of all points, armature space − origin; of whole blocks, those beyond the last point mean nothing.
 #[inline(always)]
-fn place_all<S: Simd>(simd: S, body: Body, rows: &Rows, positions: &mut [V4]) {
-    let palette = &body.motions.palette;
+fn place_all<S: Simd>(simd: S, portion: Portion, rows: &Rows, positions: &mut [V4]) {
+    let palette = &portion.motions.palette;
     let is_linear = palette.mode == Mode::Linear;
     let origin = lanes::from(palette.origin);
-    for (number, eight) in positions.as_chunks_mut::<LANES>().0.iter_mut().take(body.slots.len().div_ceil(LANES)).enumerate() {
+    for (number, eight) in positions.as_chunks_mut::<LANES>().0.iter_mut().take(portion.slots.len().div_ceil(LANES)).enumerate() {
         let [bx, by, bz, bw] = rows.blend.each_ref().map(|row| block(row, number));
         if is_linear {
             put_rows(simd, [bx, by, bz], eight);
@@ -461,11 +461,11 @@ fn place_all<S: Simd>(simd: S, body: Body, rows: &Rows, positions: &mut [V4]) {
     if is_linear {
         return;
     }
-    let influences = &body.sites.influences;
+    let influences = &portion.sites.influences;
     if !influences.mask.is_empty() {
-        for (i, (q, &slot)) in positions.iter_mut().zip(body.slots).enumerate() {
+        for (i, (q, &slot)) in positions.iter_mut().zip(portion.slots).enumerate() {
             let still = sub([rows.place[0][i], rows.place[1][i], rows.place[2][i], 0.0], origin);
-            let mask = body.sites.of_slot(slot as usize).map(|site| body.sites.share(site) * influences.mask(site)).sum();
+            let mask = portion.sites.of_slot(slot as usize).map(|site| portion.sites.share(site) * influences.mask(site)).sum();
             *q = add_scaled(still, sub(*q, still), mask);
         }
     }

@@ -4,21 +4,21 @@ use super::pass::Pass;
 use super::scratch::{Scratch, with_scratch};
 use super::{JobState, Workspace, in_single_precision, ragged};
 use crate::binding::Binding;
-use crate::fields::field::{Field, Hold};
+use crate::fields::field::{Capacity, Field};
 use crate::fields::joint::Joint;
 use crate::fields::patch_sums::{self, FieldRows, Move};
 use crate::fields::profile_weights;
 use crate::fields::supports::Supports;
-use crate::numeric::block_rows::Held;
+use crate::numeric::block_rows::Present;
 use crate::numeric::lanes::{V4, add};
 use crate::parallel::split::{Ragged, for_each_piece};
 use crate::surface::sweeps::{Buffer, GRADIENT_PARTS};
 
 impl Workspace {
     /// Displacements by all fields at once, and the field of the residual: the same with every joint giving, none taking.
-    pub(crate) fn give_back(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
+    pub(crate) fn correct_simultaneously(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint]) {
         self.carry_normals(binding, supports);
-        self.hold(binding, supports, settings, Pass::All);
+        self.sum_capacities(binding, supports, settings, Pass::All);
         self.solve(binding, Pass::All);
         self.add_fields(
             binding,
@@ -31,7 +31,7 @@ impl Workspace {
     }
 
     /// Reads the gradient and sums what each field could do with it.
-    pub(super) fn hold(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pass: Pass) {
+    pub(super) fn sum_capacities(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pass: Pass) {
         let (patches, jobs, sources, mask) = (&binding.patches, &self.jobs, &self.sources, self.mask.as_deref());
         let carried = if self.carries_normals { Some(self.carried.each_ref().map(|row| &**row)) } else { None };
         let (places, has_profiles) = (self.skinned.near.each_ref().map(|c| &**c), !self.profiled.is_empty());
@@ -41,10 +41,10 @@ impl Workspace {
             (
                 ragged(&mut self.gradient, &patches.slot_offsets),
                 Ragged::new(&mut self.profiled, profile_offsets),
-                Ragged::new(&mut self.holds, supports.jobs_of_patch.offsets()),
+                Ragged::new(&mut self.capacities, supports.jobs_of_patch.offsets()),
                 &mut *self.patches,
             ),
-            &|index, (gradient, profiled, holds, sums)| {
+            &|index, (gradient, profiled, capacities, sums)| {
                 let patch = &patches.list[index];
                 if pass.passes_over(patch.component) {
                     return;
@@ -64,14 +64,14 @@ impl Workspace {
                     }
                     let places = places.map(|row| &row[slots.clone()]);
                     let (all, _) = areas.as_chunks();
-                    sums[0].wide_hold = patch_sums::sum_and_most(Held::first(all.len()), all, volumes, lengths).0;
-                    for (support, hold) in supports.of_patch(index).zip(holds.values) {
+                    sums[0].wide_capacity = patch_sums::sum_and_most(Present::first(all.len()), all, volumes, lengths).0;
+                    for (support, capacity) in supports.of_patch(index).zip(capacities.values) {
                         let state = &jobs[support.job];
-                        *hold = Hold::default();
+                        *capacity = Capacity::default();
                         if !state.frame.is_active || !pass.concerns(support.job) {
                             continue;
                         }
-                        let (held, weights, at) = (support.held, support.weights, support.blocks());
+                        let (present, weights, at) = (support.present, support.weights, support.blocks());
                         let profiles =
                             settings[binding.plan.jobs[support.job].joint as usize].profiles.as_ref().filter(|_| state.frame.has_axes());
                         let bell = &mut bell[..weights.len()];
@@ -79,13 +79,13 @@ impl Workspace {
                         if let (Pass::All, Some(profiles)) = (pass, profiles) {
                             profile_weights::drawn(support, places, &state.frame, profiles, &mut profiled.values[at.clone()]);
                         }
-                        ((hold.all, hold.all_most), (hold.bell, hold.bell_most)) = (all, round);
-                        hold.unmasked = mask.map_or(hold.all, |_| patch_sums::sum_and_most(held, weights, unmasked, lengths).0);
+                        ((capacity.all, capacity.all_most), (capacity.bell, capacity.bell_most)) = (all, round);
+                        capacity.unmasked = mask.map_or(capacity.all, |_| patch_sums::sum_and_most(present, weights, unmasked, lengths).0);
                         if state.frame.has_axes() {
                             let shape = if profiles.is_some() { &profiled.values[at] } else { &*bell };
                             let axes = state.frame.axes.map(|e| e.as_vec3().to_array());
-                            let along = patch_sums::sums_along(held, shape, gradient, directions, axes);
-                            (hold.along, hold.along_most) = (along.map(|(sum, _)| sum), along.map(|(_, most)| most));
+                            let along = patch_sums::sums_along(present, shape, gradient, directions, axes);
+                            (capacity.along, capacity.along_most) = (along.map(|(sum, _)| sum), along.map(|(_, most)| most));
                         }
                     }
                 });
@@ -93,18 +93,18 @@ impl Workspace {
         );
         let concerns = |job: usize| pass.concerns(job) && !pass.passes_over(binding.plan.jobs[job].component);
         for (_, job) in self.jobs.iter_mut().enumerate().filter(|(index, _)| concerns(*index)) {
-            job.hold = Hold::default();
+            job.capacity = Capacity::default();
         }
-        for (&job, hold) in supports.jobs_of_patch.values().iter().zip(&self.holds) {
+        for (&job, capacity) in supports.jobs_of_patch.values().iter().zip(&self.capacities) {
             if concerns(job as usize) {
-                self.jobs[job as usize].hold.join(hold, binding.area_unit);
+                self.jobs[job as usize].capacity.join(capacity, binding.area_unit);
             }
         }
         for state in &mut self.components {
-            state.wide_hold = 0.0;
+            state.wide_capacity = 0.0;
         }
         for (patch, sums) in patches.list.iter().zip(&self.patches) {
-            self.components[patch.component as usize].wide_hold += sums.wide_hold * binding.area_unit;
+            self.components[patch.component as usize].wide_capacity += sums.wide_capacity * binding.area_unit;
         }
     }
 
@@ -116,14 +116,14 @@ impl Workspace {
                 component.wide += state.volume;
                 continue;
             }
-            let field = Field::new(&state.frame, &state.hold, component.wide_hold, state.volume);
+            let field = Field::new(&state.frame, &state.capacity, component.wide_capacity, state.volume);
             component.wide += state.volume - field.volume;
-            state.take(field);
+            state.use_field(field);
         }
         for (_, state) in (0..).zip(&mut self.components).filter(|(component, _)| !pass.passes_over(*component)) {
-            if state.wide_hold > 0.0 {
-                state.wide_field = in_single_precision(state.wide / state.wide_hold);
-                state.wide_residual = in_single_precision((state.floor + state.wide.abs()) / state.wide_hold);
+            if state.wide_capacity > 0.0 {
+                state.wide_field = in_single_precision(state.wide / state.wide_capacity);
+                state.wide_residual = in_single_precision((state.floor + state.wide.abs()) / state.wide_capacity);
             }
         }
     }
@@ -176,7 +176,7 @@ impl Workspace {
                     if state.frame.has_axes() {
                         let has_profiles = settings[binding.plan.jobs[support.job].joint as usize].profiles.is_some();
                         let heights = if has_profiles { &profiled[support.blocks()] } else { &*bell };
-                        sum.add_shaped(takes, &state.field, support.held, heights, directions);
+                        sum.add_shaped(takes, &state.field, support.present, heights, directions);
                     }
                 }
                 let shell = if is_wide { [component.wide_field, component.wide_residual] } else { [0.0; 2] };
@@ -188,7 +188,7 @@ impl Workspace {
 
 impl JobState {
     /// Uses a field, and counts what it does.
-    pub(super) fn take(&mut self, field: Field) {
+    pub(super) fn use_field(&mut self, field: Field) {
         self.regained += field.volume;
         self.displacement += field.displacement;
         self.is_capped |= field.is_capped;

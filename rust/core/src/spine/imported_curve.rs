@@ -1,7 +1,7 @@
-//! Curves as others give them, and the smooth spline through samples of them.
+//! Curves that come from elsewhere, and the smooth spline through samples of them.
 //!
 //! Bézier and poly curves have corners of curvature or even of direction, at which a body would crease or tear [MATH §5].
-//! The spline passes through samples of each segment, at parameters that are lengths along the given curve.
+//! The spline passes through samples of each segment, at parameters that are lengths along the imported curve.
 
 use glam::DVec3;
 
@@ -18,7 +18,7 @@ const CHECKS: usize = 4;
 const STILL: f64 = 1e-9;
 
 /// A curve in segments, each over u in [0, 1].
-pub(crate) enum Given {
+pub(crate) enum ImportedCurve {
     /// One cubic per segment.
     Bezier(Vec<Quintic>),
     /// Spans of a rational B-spline.
@@ -34,11 +34,11 @@ pub(crate) struct Samples {
     pub ends: [End; 2],
     /// Samples from one station to the next.
     pub resolution: usize,
-    /// Places of the given curve between the samples.
+    /// Places of the imported curve between the samples.
     pub checks: Vec<DVec3>,
 }
 
-impl Given {
+impl ImportedCurve {
     pub fn bezier(points: &[DVec3], left_handles: &[DVec3], right_handles: &[DVec3]) -> Self {
         let cubic = |i: usize| {
             let (a, b, c, d) = (points[i], right_handles[i], left_handles[i + 1], points[i + 1]);

@@ -8,21 +8,21 @@ use std::collections::HashSet;
 
 use glam::DVec3;
 
-use crate::losses::closed_form::VolumeForms;
-use crate::losses::job::{Anatomy, Bodies, Change, Job, Moment, find_job, moved_volume};
-use crate::losses::staged::Stages;
 use crate::skinning::blend::Mode;
 use crate::skinning::motions::Motions;
+use crate::volume_losses::closed_form::VolumeForms;
+use crate::volume_losses::job::{Anatomy, Change, Job, Moment, Portions, find_job, moved_volume};
+use crate::volume_losses::staged::Stages;
 
 /// Everything about the telescoping that does not change from frame to frame.
 pub(crate) struct LossPlan {
     pub jobs: Vec<Job>,
-    /// How bodies are skinned joint by joint.
+    /// How portions are skinned joint by joint.
     pub stages: Stages,
-    staged: Bodies,
+    staged: Portions,
     /// Losses in closed form: linear skinning of one rest shape; not of bodies that frames bring.
     pub forms: Option<VolumeForms>,
-    formed: Bodies,
+    formed: Portions,
 }
 
 impl LossPlan {
@@ -43,25 +43,25 @@ impl LossPlan {
         }
         jobs.sort_unstable();
         jobs.dedup();
-        let mut formed = Bodies::default();
+        let mut formed = Portions::default();
         let has_forms = mode == Mode::Linear && !has_shapes;
         let forms = if has_forms { VolumeForms::new(anatomy, &jobs, &mut formed) } else { None };
         let stages = Stages::new(anatomy, &jobs);
-        let mut staged = stages.bodies(anatomy);
-        for bodies in [&mut staged, &mut formed] {
-            for (&component, &top) in bodies.components.iter().zip(&bodies.tops) {
-                bodies.jobs_above.push_row(tree.chain(top as usize).filter_map(|j| find_job(&jobs, j, component)));
+        let mut staged = stages.portions(anatomy);
+        for portions in [&mut staged, &mut formed] {
+            for (&component, &top) in portions.components.iter().zip(&portions.tops) {
+                portions.jobs_above.push_row(tree.chain(top as usize).filter_map(|j| find_job(&jobs, j, component)));
             }
         }
         Self { jobs, stages, staged, forms, formed }
     }
 
     /// Faces that are carried whole, by stages or in closed form.
-    pub fn bodies(&self, by_stages: bool) -> &Bodies {
+    pub fn portions(&self, by_stages: bool) -> &Portions {
         if by_stages { &self.staged } else { &self.formed }
     }
 
-    /// What every joint did to every component by carrying bodies whole.
+    /// What every joint did to every component by carrying portions whole.
     pub fn carry(&self, motions: &Motions, moments: &[Moment], changes: &mut [Change]) {
         for (change, (job, moment)) in changes.iter_mut().zip(self.jobs.iter().zip(moments)) {
             let joint = job.joint as usize;
@@ -77,10 +77,11 @@ impl LossPlan {
     }
 
     /// What was done to whole shells before their joints turned against their bases, added to the first of these.
-    pub fn carry_shells(&self, motions: &Motions, by_stages: bool, of_body: &[Moment], changes: &mut [Change]) {
+    pub fn carry_shells(&self, motions: &Motions, by_stages: bool, of_portion: &[Moment], changes: &mut [Change]) {
         for base in motions.active_bases() {
-            let bodies = of_body.iter().zip(&self.bodies(by_stages).components).filter(|(_, component)| **component == base.component);
-            let moment = bodies.fold((0.0, DVec3::ZERO), |sum: Moment, (moment, _)| (sum.0 + moment.0, sum.1 + moment.1));
+            let portions =
+                of_portion.iter().zip(&self.portions(by_stages).components).filter(|(_, component)| **component == base.component);
+            let moment = portions.fold((0.0, DVec3::ZERO), |sum: Moment, (moment, _)| (sum.0 + moment.0, sum.1 + moment.1));
             let volume = |motion: usize| moved_volume(motions.palette.alone(motion), moment);
             let [whole, carrier, unturned] = std::array::from_fn(|place| volume(base.first_motion + place));
             if let Some(job) = find_job(&self.jobs, base.members[0].0, base.component) {

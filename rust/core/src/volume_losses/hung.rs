@@ -1,7 +1,7 @@
 //! What joints of cut chains are not given though they move against what they hang on.
 
-use crate::losses::job::{Change, Job, find_job};
 use crate::skinning::motions::Motions;
+use crate::volume_losses::job::{Change, Job, find_job};
 
 /// Hands the losses of joints that move like another bone on to those that move it against them; their sum stays.
 pub(crate) fn hand_on(jobs: &[Job], motions: &Motions, changes: &mut [Change]) {

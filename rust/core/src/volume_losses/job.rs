@@ -66,7 +66,7 @@ pub(crate) fn joints_of<I: Iterator<Item = usize>>(bones: impl Fn() -> I, tree: 
 
 /// Faces that share the joints above them: carried whole by these.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Bodies {
+pub(crate) struct Portions {
     pub components: Vec<u32>,
     pub tops: Vec<u32>,
     /// At rest, about the rest centre, rest space.
@@ -75,17 +75,17 @@ pub(crate) struct Bodies {
     pub(super) jobs_above: Csr<u32>,
 }
 
-impl Bodies {
+impl Portions {
     pub fn push(&mut self, component: u32, top: u32, rest_moment: Moment) {
         self.components.push(component);
         self.tops.push(top);
         self.rest_moments.push(rest_moment);
     }
 
-    /// Sums the moments of bodies into those of the jobs whose turn carries them whole.
-    pub fn rigid_moments(&self, of_body: &[Moment], of_job: &mut [Moment]) {
+    /// Sums the moments of portions into those of the jobs whose turn carries them whole.
+    pub fn rigid_moments(&self, of_portion: &[Moment], of_job: &mut [Moment]) {
         of_job.fill((0.0, DVec3::ZERO));
-        for (moment, jobs) in of_body.iter().zip(self.jobs_above.rows()) {
+        for (moment, jobs) in of_portion.iter().zip(self.jobs_above.rows()) {
             for &job in jobs {
                 of_job[job as usize].0 += moment.0;
                 of_job[job as usize].1 += moment.1;

@@ -1,4 +1,4 @@
-//! What no field reaches: along one direction for all points the volume is linear, so every target is reached [MATH §2].
+//! What no field reaches: in a step along one direction for all points the volume is linear, so every target is reached [MATH §2].
 //!
 //! A small part of a shell that alone may move bends over before it has enough: the cubic along its gradient has a summit.
 
@@ -12,23 +12,23 @@ use crate::fields::patch_sums::{self, Move};
 
 impl Workspace {
     /// Instead of all fields, in components that need it: one step along the direction in which most can be done.
-    pub(super) fn move_along_one_direction(&mut self, binding: &Binding, pass: Pass) {
+    pub(super) fn step_linearly(&mut self, binding: &Binding, pass: Pass) {
         let patches = &binding.patches;
         for component in 0..self.components.len() {
             let state = self.components[component];
-            if !state.is_straight || pass.passes_over(component as u32) {
+            if !state.is_linear_only || pass.passes_over(component as u32) {
                 continue;
             }
             let mine = || patches.list.iter().enumerate().filter(|(_, patch)| patch.component as usize == component);
-            let mut hold = DMat3::ZERO;
+            let mut capacity = DMat3::ZERO;
             for (index, _) in mine() {
                 self.visit_directions(binding, index, |_, weight, slope, direction| {
-                    hold += DMat3::from_cols(direction * slope.x, direction * slope.y, direction * slope.z) * weight;
+                    capacity += DMat3::from_cols(direction * slope.x, direction * slope.y, direction * slope.z) * weight;
                 });
             }
-            let e = main_direction(&hold);
+            let e = main_direction(&capacity);
             let gap = if let Pass::Again(again) = pass { again.gaps[component] } else { state.target - state.skinned };
-            let scale = in_single_precision(gap / (e.dot(hold * e) * binding.area_unit));
+            let scale = in_single_precision(gap / (e.dot(capacity * e) * binding.area_unit));
             let mut moves = std::mem::take(&mut self.moves);
             for (index, _) in mine() {
                 self.visit_directions(binding, index, |slot, weight, _, direction| {

@@ -12,13 +12,13 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f64x4};
 use rayon::prelude::*;
 
-use crate::losses::job::{Anatomy, Bodies, Change, FaceJoints, Job, Moment, find_job};
 use crate::numeric::csr::Csr;
 use crate::numeric::lanes::{self, Columns, V4, add, add_scaled, cross, mul, sub, transform};
 use crate::parallel::split::{Equal, for_each_piece};
 use crate::skinning::motions::Motions;
 use crate::skinning::sites::Sites;
 use crate::surface::sweeps::mean_and_cross;
+use crate::volume_losses::job::{Anatomy, Change, FaceJoints, Job, Moment, Portions, find_job};
 
 /// More numbers than this per point of the mesh are no gain over sweeping it.
 const NUMBERS_PER_POINT: usize = 24;
@@ -34,7 +34,7 @@ const TOP: u16 = u16::MAX;
 /// Columns of an affine map, and the image of the joint's own place.
 type Span = [V4; 4];
 
-/// What one joint adds to one body when it turns: the blocks whose last joint it is.
+/// What one joint adds to one portion when it turns: the blocks whose last joint it is.
 #[derive(Debug, Clone, Copy)]
 struct Turn {
     job: u32,
@@ -89,8 +89,8 @@ fn block_size(first: u16, second: u16, third: u16) -> usize {
 }
 
 impl VolumeForms {
-    /// `None` where weights mix too many joints for this to pay. Fills `bodies` with the faces under each joint.
-    pub fn new(anatomy: &Anatomy, jobs: &[Job], bodies: &mut Bodies) -> Option<Self> {
+    /// `None` where weights mix too many joints for this to pay. Fills `portions` with the faces under each joint.
+    pub fn new(anatomy: &Anatomy, jobs: &[Job], portions: &mut Portions) -> Option<Self> {
         let Anatomy { topology, joints, .. } = *anatomy;
         let mut faces: Vec<(u32, u32, u32)> =
             topology.component_of_face.iter().zip(&joints.tops).zip(0..).map(|((&c, &top), face)| (c, top, face)).collect();
@@ -104,7 +104,7 @@ impl VolumeForms {
         let (mut turns, mut blocks, mut numbers) = (Vec::new(), Csr::default(), Vec::new());
         for (group, filled) in groups.iter().zip(filled) {
             let (component, top, _) = group[0];
-            bodies.push(component, top, filled.moment);
+            portions.push(component, top, filled.moment);
             let keys: Vec<[u16; 3]> = filled.numbers.keys().copied().collect();
             for same in keys.chunk_by(|a, b| a[0] == b[0]) {
                 let joint = same[0][0];

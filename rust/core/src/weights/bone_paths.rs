@@ -16,7 +16,7 @@ const ROOM: f64 = 8.0;
 const SAME: f64 = 1e-3;
 
 /// Samples of all bones and of the ways between them.
-pub struct Tracks {
+pub struct BonePaths {
     /// In voxels.
     pub places: Vec<DVec3>,
     /// Bone of each sample; `NO_BONE` on the way from a parent to a bone that begins elsewhere.
@@ -27,33 +27,33 @@ pub struct Tracks {
     pub counts: Vec<f64>,
 }
 
-impl Tracks {
+impl BonePaths {
     /// `bones` in voxels of a lattice of `dims`. Bones are tied to their parents, and where they share an end.
     pub fn new(dims: [usize; 3], bones: &[[DVec3; 2]], parents: Option<&[i32]>) -> Self {
         let end = DVec3::from_array(dims.map(|d| d as f64));
         let counts = bones.iter().map(|&[head, tail]| steps(head, tail) + 1.0).collect();
-        let mut tracks = Self { places: Vec::new(), bones: Vec::new(), ties: Vec::new(), counts };
-        let ranges: Vec<[u32; 2]> = bones.iter().enumerate().map(|(bone, &ends)| tracks.add(end, ends, bone as u32)).collect();
+        let mut paths = Self { places: Vec::new(), bones: Vec::new(), ties: Vec::new(), counts };
+        let ranges: Vec<[u32; 2]> = bones.iter().enumerate().map(|(bone, &ends)| paths.add(end, ends, bone as u32)).collect();
         for (child, &parent) in parents.into_iter().flatten().enumerate() {
             let Ok(parent) = usize::try_from(parent) else { continue };
             let head = bones[child][0];
             let from = closest_on_segment(bones[parent][0], bones[parent][1], head);
-            let way = tracks.add(end, [from, head], NO_BONE);
+            let way = paths.add(end, [from, head], NO_BONE);
             let nearest = (ranges[parent][0]..=ranges[parent][1])
-                .min_by(|&i, &j| tracks.places[i as usize].distance(from).total_cmp(&tracks.places[j as usize].distance(from)));
-            tracks.ties.extend([[nearest.unwrap_or(ranges[parent][0]), way[0]], [way[1], ranges[child][0]]]);
+                .min_by(|&i, &j| paths.places[i as usize].distance(from).total_cmp(&paths.places[j as usize].distance(from)));
+            paths.ties.extend([[nearest.unwrap_or(ranges[parent][0]), way[0]], [way[1], ranges[child][0]]]);
         }
         for (i, a) in bones.iter().enumerate() {
             for (j, b) in bones.iter().enumerate().skip(i + 1) {
                 let tolerance = SAME * a[0].distance(a[1]).max(b[0].distance(b[1]));
                 for (m, n) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
                     if a[m].distance(b[n]) <= tolerance {
-                        tracks.ties.push([ranges[i][m], ranges[j][n]]);
+                        paths.ties.push([ranges[i][m], ranges[j][n]]);
                     }
                 }
             }
         }
-        tracks
+        paths
     }
 
     /// Adds one straight piece; its first and last sample. `end`: the far corner of the lattice.
@@ -116,17 +116,17 @@ mod tests {
     proptest! {
         #[test]
         fn samples_are_few_and_pass_over_no_voxel_of_the_lattice(head in places(), tail in places()) {
-            let tracks = Tracks::new(DIMS, &[[head, tail]], None);
-            prop_assert!(tracks.places.len() <= MOST as usize + 3);
-            prop_assert_eq!(tracks.bones.len(), tracks.places.len());
-            prop_assert_eq!(tracks.ties.len() + 1, tracks.places.len());
-            prop_assert!(tracks.counts[0] >= tracks.places.len() as f64 - 2.0);
+            let paths = BonePaths::new(DIMS, &[[head, tail]], None);
+            prop_assert!(paths.places.len() <= MOST as usize + 3);
+            prop_assert_eq!(paths.bones.len(), paths.places.len());
+            prop_assert_eq!(paths.ties.len() + 1, paths.places.len());
+            prop_assert!(paths.counts[0] >= paths.places.len() as f64 - 2.0);
             // Where the bone is in the lattice, to what far ends are rounded to.
             let slack = 1e-14 * head.abs().max(tail.abs()).max_element();
             for step in 0..=100 {
                 let Some([enters, leaves]) = within(DVec3::ZERO, DVec3::new(30.0, 20.0, 10.0), head, tail) else { break };
                 let place = head.lerp(tail, enters + (leaves - enters) * f64::from(step) / 100.0);
-                let nearest = tracks.places.iter().map(|p| p.distance(place)).fold(f64::INFINITY, f64::min);
+                let nearest = paths.places.iter().map(|p| p.distance(place)).fold(f64::INFINITY, f64::min);
                 prop_assert!(nearest <= 0.5 * STEP + slack, "{} from {}", nearest, place);
             }
         }
@@ -135,9 +135,9 @@ mod tests {
     #[test]
     fn bones_that_fit_into_the_lattice_are_sampled_whole() {
         let (head, tail) = (DVec3::new(-3.0, 1.0, 2.0), DVec3::new(40.0, 1.0, 2.0));
-        let tracks = Tracks::new(DIMS, &[[head, tail]], None);
-        assert_eq!(tracks.places.len(), 87);
-        assert_eq!(tracks.counts, [87.0]);
-        assert_eq!((tracks.places[0], tracks.places[86]), (head, tail));
+        let paths = BonePaths::new(DIMS, &[[head, tail]], None);
+        assert_eq!(paths.places.len(), 87);
+        assert_eq!(paths.counts, [87.0]);
+        assert_eq!((paths.places[0], paths.places[86]), (head, tail));
     }
 }
