@@ -8,7 +8,7 @@ use crate::cores::following::Core;
 use crate::cores::rest::RestSurface;
 use crate::error::{Error, Result};
 use crate::fields::joint::{Fields, Joint};
-use crate::fields::normals::even_normals;
+use crate::fields::normals::{EvenNormals, even_normals};
 use crate::fields::supports::{Supports, automatic_lengths};
 use crate::folds::Skin;
 use crate::numeric::csr::Csr;
@@ -64,7 +64,7 @@ pub(crate) struct Binding {
     /// Made when a frame first brings offsets that move anything.
     core: OnceLock<Core>,
     /// Made when fields are even.
-    normals: OnceLock<Vec<V4>>,
+    normals: OnceLock<EvenNormals>,
     /// Made when folds are repaired for the first time.
     skin: OnceLock<Skin>,
     /// Made when a frame first brings offsets or a body of its own.
@@ -174,11 +174,12 @@ impl Binding {
     }
 
     /// What even fields push along, per slot; see `even_normals`.
-    pub fn normals(&self) -> &[V4] {
+    pub fn normals(&self) -> &EvenNormals {
         self.normals.get_or_init(|| {
             let lengths = automatic_lengths(&self.motions.tree, &self.sites, &self.sites_in_armature());
             let to_rest = self.armature_from_rest.inverse().matrix3;
-            even_normals(&self.faces_of_slots(), &self.slots_in_armature(), &self.sites, &lengths, &to_rest)
+            let areas = (self.area_unit, &*self.inverse_areas);
+            even_normals(&self.faces_of_slots(), &self.slots_in_armature(), areas, &self.sites, &lengths, &to_rest)
         })
     }
 
@@ -280,7 +281,7 @@ impl Binding {
             + self.plan.memory_bytes()
             + size_of_val(&*self.inverse_areas)
             + self.skin.get().map_or(0, Skin::memory_bytes)
-            + self.normals.get().map_or(0, |normals| size_of_val(&**normals))
+            + self.normals.get().map_or(0, EvenNormals::memory_bytes)
             + self.core.get().map_or(0, Core::memory_bytes)
             + self.vertices_of_slot.get().map_or(0, Csr::memory_bytes)
     }

@@ -51,7 +51,7 @@ impl Workspace {
         let slots = binding.patches.list[index].start..binding.patches.slot_offsets[index + 1] as usize;
         let gradient = self.gradient.each_ref().map(|row| &row[slots.clone()]);
         let areas = &binding.inverse_areas[slots.clone()];
-        let normals = self.carried().map(|rows| rows.map(|row| &row[slots.clone()]));
+        let normals = self.carried(binding).map(|normals| normals.of(&slots));
         with_scratch(|Scratch { fields: rows, .. }| {
             patch_sums::directions(gradient, normals, areas, &mut rows.directions, &mut rows.volumes, &mut rows.lengths);
             if let Some(mask) = &self.mask {

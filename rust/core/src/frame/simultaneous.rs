@@ -1,5 +1,6 @@
 //! All joints give back at once: sums over the gradient, how much of each field, displacements.
 
+use super::carried::carried;
 use super::pass::Pass;
 use super::scratch::{Scratch, with_scratch};
 use super::{JobState, Workspace, in_single_precision, ragged};
@@ -33,7 +34,7 @@ impl Workspace {
     /// Reads the gradient and sums what each field could do with it.
     pub(super) fn sum_capacities(&mut self, binding: &Binding, supports: &Supports, settings: &[Joint], pass: Pass) {
         let (patches, jobs, sources, mask) = (&binding.patches, &self.jobs, &self.sources, self.mask.as_deref());
-        let carried = if self.carries_normals { Some(self.carried.each_ref().map(|row| &**row)) } else { None };
+        let carried = carried(&self.carried, self.carries_normals, binding);
         let (places, has_profiles) = (self.skinned.near.each_ref().map(|c| &**c), !self.profiled.is_empty());
         let profile_offsets = if has_profiles { &supports.block_offsets } else { &patches.no_rows };
         for_each_piece(
@@ -56,7 +57,7 @@ impl Workspace {
                     import_gradient(binding, index, sources, first, &mut gradient);
                     let gradient = gradient.map(|row| &*row);
                     let areas = &binding.inverse_areas[slots.clone()];
-                    let normals = carried.map(|rows| rows.map(|row| &row[slots.clone()]));
+                    let normals = carried.map(|normals| normals.of(&slots));
                     patch_sums::directions(gradient, normals, areas, directions, volumes, lengths);
                     if let Some(mask) = mask {
                         *unmasked = *volumes;
@@ -138,7 +139,7 @@ impl Workspace {
         keep: impl Fn(&mut Move, Move) + Sync,
     ) {
         let (jobs, components, patches, mask) = (&self.jobs, &self.components, &binding.patches, self.mask.as_deref());
-        let carried = if self.carries_normals { Some(self.carried.each_ref().map(|row| &**row)) } else { None };
+        let carried = carried(&self.carried, self.carries_normals, binding);
         let local = Some(&self.local).filter(|local| local.is_used && matches!(pass, Pass::All | Pass::Shell));
         let (gradient, places, profiled) =
             (self.gradient.each_ref().map(|c| &**c), self.skinned.near.each_ref().map(|c| &**c), &self.profiled);
@@ -153,7 +154,7 @@ impl Workspace {
                 let areas = &binding.inverse_areas[slots.clone()];
                 let component = &components[patch.component as usize];
                 let Scratch { fields: FieldRows { directions, volumes, lengths, bell, .. }, sum, .. } = scratch;
-                let normals = carried.map(|rows| rows.map(|row| &row[slots.clone()]));
+                let normals = carried.map(|normals| normals.of(&slots));
                 patch_sums::directions(gradient, normals, areas, directions, volumes, lengths);
                 if let Some(mask) = mask {
                     patch_sums::mask(&mask.of_slot[slots.clone()], directions, volumes, lengths);
