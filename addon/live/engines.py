@@ -56,6 +56,7 @@ def engine_of(
         settings_key(saved, bound),
         lambda: _joints(target, saved, bound),
         saved.solver.lower(),
+        saved.fields.lower(),
         saved.keep_bone_scale,
     )
 
@@ -63,7 +64,7 @@ def engine_of(
 def settings_key(saved: settings.BodySettings, bound: VolumeBinding) -> object:
     """A key that is equal while these settings ask for the same engine."""
     arrays = tuple(array.tobytes() for array in saved.joints)
-    return arrays, saved.seconds, saved.solver, saved.keep_bone_scale, bound.curves.stamps
+    return arrays, saved.seconds, saved.solver, saved.fields, saved.keep_bone_scale, bound.curves.stamps
 
 
 def _joints(target: bpy.types.Object, saved: settings.BodySettings, bound: VolumeBinding) -> list[turgor.Joint]:

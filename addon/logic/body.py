@@ -14,6 +14,7 @@ from .rest_geometry import RestGeometry
 from .weights import BoneWeights
 
 Solver = Literal["simultaneous", "sequential"]
+Fields = Literal["plain", "even"]
 
 
 def bind(
@@ -115,7 +116,12 @@ class Body:
         return sum(part.is_sound and not is_free for part, is_free in zip(mesh.components, free, strict=True))
 
     def with_settings(
-        self, key: object, joints: Callable[[], Sequence[turgor.Joint]], solver: Solver, keep_bone_scale: bool
+        self,
+        key: object,
+        joints: Callable[[], Sequence[turgor.Joint]],
+        solver: Solver,
+        fields: Fields,
+        keep_bone_scale: bool,
     ) -> tuple[turgor.VolumeSkin, NDArray[np.float64]]:
         """The engine for these settings, and (J,) strengths in the order of `joint_bones`.
 
@@ -124,7 +130,7 @@ class Body:
         current = self._current
         if current[0] != key:
             chosen = joints()
-            engine = self._bound.with_joints(chosen, solver=solver, keep_bone_scale=keep_bone_scale)
+            engine = self._bound.with_joints(chosen, solver=solver, fields=fields, keep_bone_scale=keep_bone_scale)
             self._current = current = (key, engine, self._strengths(chosen))
         return current[1:]
 

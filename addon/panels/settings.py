@@ -17,6 +17,7 @@ class TURGOR_PT_settings(VolumeSubpanel, bpy.types.Panel):
         column.use_property_split = True
         column.prop(saved, "target_volume")
         column.prop(saved, "keep_bone_scale")
+        column.prop(saved, "fields")
         column.prop(saved, "solver")
         column.prop(saved, "repair_folds")
         buttons = self.layout.row(align=True)

@@ -29,6 +29,13 @@ SOLVERS = (
 )
 
 
+# Append only: files store the position, and files that store none were shaped by the first.
+FIELDS = (
+    ("PLAIN", "Plain", "Along the gradient of the volume: small hollows and tips are pushed their own way, each its own"),
+    ("EVEN", "Even", "Along smooth normals: fine detail is carried along, and profile curves act as they are drawn"),
+)
+
+
 def _show_joint(saved: "TurgorObject", context: bpy.types.Context) -> None:
     if 0 <= saved.active_joint < len(saved.joints):
         ProfileHooks.on_shown(saved.joints[saved.active_joint].shown)
@@ -45,6 +52,14 @@ class TurgorObject(bpy.types.PropertyGroup):
         name="Solver",
         description="How the joints share the work",
         items=SOLVERS,
+        update=tag,
+        override=OVERRIDABLE,
+        options=set(),
+    )
+    fields: EnumProperty(
+        name="Fields",
+        description="Which way the skin moves where volume comes back",
+        items=FIELDS,
         update=tag,
         override=OVERRIDABLE,
         options=set(),

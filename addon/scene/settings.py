@@ -60,6 +60,7 @@ class BodySettings(NamedTuple):
     joints: JointArrays
     seconds: dict[int, SecondSet]  # by place of the joint, only of those that blend
     solver: str
+    fields: str
     keep_bone_scale: bool
     target_volume: float
     repair_folds: bool
@@ -75,7 +76,9 @@ def read_settings(target: bpy.types.Object) -> BodySettings:
         for (name, _, _), array in zip(_FIELDS, arrays, strict=True):
             joints.foreach_get(name, array.ravel())
     seconds = {int(place): _read_second(joints[place].second) for place in np.flatnonzero(arrays.blend_modes)}
-    return BodySettings(arrays, seconds, saved.solver, saved.keep_bone_scale, saved.target_volume, saved.repair_folds)
+    return BodySettings(
+        arrays, seconds, saved.solver, saved.fields, saved.keep_bone_scale, saved.target_volume, saved.repair_folds
+    )
 
 
 def may_move(target: bpy.types.Object) -> bool:

@@ -175,6 +175,16 @@ TEXTS: dict[str, str] = {
     ),
     "Sequential": "Nacheinander",
     "Joint after joint, parents first": "Gelenk für Gelenk, Eltern zuerst",
+    "Fields": "Felder",
+    "Which way the skin moves where volume comes back": "Wohin sich die Haut bewegt, wo Volumen zurückkommt",
+    "Plain": "Einfach",
+    "Along the gradient of the volume: small hollows and tips are pushed their own way, each its own": (
+        "Entlang des Volumengradienten: kleine Mulden und Spitzen werden jede in ihre eigene Richtung geschoben"
+    ),
+    "Even": "Eben",
+    "Along smooth normals: fine detail is carried along, and profile curves act as they are drawn": (
+        "Entlang geglätteter Normalen: feine Einzelheiten werden mitgenommen, Profilkurven wirken wie gezeichnet"
+    ),
     "Follow Bone Scale": "Knochenskalierung folgen",
     "Scaled or stretched bones change the volume to be kept. Off: the rest volume whatever they do": (
         "Skalierte oder gestreckte Knochen ändern das zu erhaltende Volumen. Aus: stets das Ruhevolumen"

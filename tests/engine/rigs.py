@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from surfaces import Surface, tube
 
 Mode = Literal["linear", "dual_quaternion"]
+Fields = Literal["plain", "even"]
 
 
 def rotation(axis: Sequence[float] | NDArray[np.float64], angle: float) -> NDArray[np.float64]:
@@ -76,6 +77,7 @@ class Rig:
         *,
         solver: Literal["simultaneous", "sequential"] = "simultaneous",
         keep_bone_scale: bool = True,
+        fields: Fields = "plain",
         object_from_armature: NDArray[np.float64] | None = None,
     ) -> turgor.VolumeSkin:
         return turgor.VolumeSkin(
@@ -84,6 +86,7 @@ class Rig:
             joints,
             solver=solver,
             keep_bone_scale=keep_bone_scale,
+            fields=fields,
             object_from_armature=object_from_armature,
         )
 

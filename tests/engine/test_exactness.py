@@ -15,6 +15,7 @@ EXACT = 1e-12
 seeds = st.integers(0, 2**32 - 1)
 modes = st.sampled_from(["linear", "dual_quaternion"])
 solvers = st.sampled_from(["simultaneous", "sequential"])
+fields_kinds = st.sampled_from(["plain", "even"])
 
 
 def relative_errors(report: turgor.Report) -> np.ndarray:
@@ -30,27 +31,27 @@ def assert_exact(rig: Rig, frame: turgor.Frame):
     assert measured == pytest.approx(frame.report.target_volumes.sum(), rel=10 * EXACT)
 
 
-@given(seeds, modes, solvers)
-def test_random_poses(seed: int, mode: Mode, solver):
+@given(seeds, modes, solvers, fields_kinds)
+def test_random_poses(seed: int, mode: Mode, solver, fields):
     rig = limb(bone_count=4)
-    frame = rig.body(mode, solver=solver).deform(rig.random_pose(np.random.default_rng(seed), 1.2))
+    frame = rig.body(mode, solver=solver, fields=fields).deform(rig.random_pose(np.random.default_rng(seed), 1.2))
     assert_exact(rig, frame)
     assert frame.report.target_volumes.sum() == pytest.approx(mean_of_fans(rig.surface), rel=EXACT)
 
 
-@given(seeds, modes, solvers)
-def test_careless_weights(seed: int, mode: Mode, solver):
+@given(seeds, modes, solvers, fields_kinds)
+def test_careless_weights(seed: int, mode: Mode, solver, fields):
     rng = np.random.default_rng(seed)
     rig = careless(limb(bone_count=4), rng)
-    assert_exact(rig, rig.body(mode, solver=solver).deform(rig.random_pose(rng, 0.8)))
+    assert_exact(rig, rig.body(mode, solver=solver, fields=fields).deform(rig.random_pose(rng, 0.8)))
 
 
-@given(seeds, modes, solvers)
-def test_modifier_vertex_group(seed: int, mode: Mode, solver):
+@given(seeds, modes, solvers, fields_kinds)
+def test_modifier_vertex_group(seed: int, mode: Mode, solver, fields):
     rng = np.random.default_rng(seed)
     rig = limb()
     rig = rig.with_mask(np.clip(rig.surface.positions[:, 0] / 2.0, 0.0, 1.0))
-    assert_exact(rig, rig.body(mode, solver=solver).deform(rig.random_pose(rng, 0.8)))
+    assert_exact(rig, rig.body(mode, solver=solver, fields=fields).deform(rig.random_pose(rng, 0.8)))
 
 
 @given(seeds, modes, solvers, st.booleans())
@@ -75,10 +76,10 @@ def test_scale_of_the_whole_rig_is_kept(seed: int, mode: Mode):
 
 
 @settings(max_examples=3)
-@given(seeds, modes, solvers)
-def test_two_hundred_bones(seed: int, mode: Mode, solver):
+@given(seeds, modes, solvers, fields_kinds)
+def test_two_hundred_bones(seed: int, mode: Mode, solver, fields):
     rig = chain(tube(rings=601, sides=8, length=40.0), 200, length=40.0)
-    assert_exact(rig, rig.body(mode, solver=solver).deform(rig.random_pose(np.random.default_rng(seed), 0.3)))
+    assert_exact(rig, rig.body(mode, solver=solver, fields=fields).deform(rig.random_pose(np.random.default_rng(seed), 0.3)))
 
 
 @given(seeds, modes)

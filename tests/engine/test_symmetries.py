@@ -11,6 +11,7 @@ from rigs import Mode, Rig, applied, limb, random_rigid_motion
 seeds = st.integers(0, 2**32 - 1)
 modes = st.sampled_from(["linear", "dual_quaternion"])
 solvers = st.sampled_from(["simultaneous", "sequential"])
+fields_kinds = st.sampled_from(["plain", "even"])
 
 # Of the tube's radius 0.5. Fields are single precision (what they add is measured in double): where sums are taken in
 # another order or at another place, displacements differ in their seventh digit.
@@ -21,11 +22,11 @@ def muscles(rig: Rig) -> list[turgor.Joint]:
     return [turgor.presets.muscle(bone) for bone in range(rig.bone_count)]
 
 
-@given(seeds, modes, solvers)
-def test_deform_commutes_with_rigid_motion_of_the_pose(seed: int, mode: Mode, solver):
+@given(seeds, modes, solvers, fields_kinds)
+def test_deform_commutes_with_rigid_motion_of_the_pose(seed: int, mode: Mode, solver, fields):
     rng = np.random.default_rng(seed)
     rig = limb()
-    body = rig.body(mode, muscles(rig), solver=solver)
+    body = rig.body(mode, muscles(rig), solver=solver, fields=fields)
     pose = rig.random_pose(rng, 1.0)
     move = random_rigid_motion(rng)
     moved = body.deform(move @ pose).positions
@@ -46,12 +47,12 @@ def test_deform_commutes_with_the_place_and_size_of_the_object(seed: int, mode: 
     np.testing.assert_allclose(result.positions, expected, atol=FIELD_DIGITS * size)
 
 
-@given(seeds, modes, solvers)
-def test_reversed_faces_are_corrected_alike(seed: int, mode: Mode, solver):
+@given(seeds, modes, solvers, fields_kinds)
+def test_reversed_faces_are_corrected_alike(seed: int, mode: Mode, solver, fields):
     rig = limb()
     pose = rig.random_pose(np.random.default_rng(seed), 1.0)
     mirror = rig.with_surface(rig.surface.reversed())
-    frame, reversed_frame = (one.body(mode, muscles(rig), solver=solver).deform(pose) for one in (rig, mirror))
+    frame, reversed_frame = (one.body(mode, muscles(rig), solver=solver, fields=fields).deform(pose) for one in (rig, mirror))
     np.testing.assert_allclose(reversed_frame.positions, frame.positions, atol=FIELD_DIGITS)
     np.testing.assert_allclose(reversed_frame.report.target_volumes, -frame.report.target_volumes, rtol=1e-14)
 

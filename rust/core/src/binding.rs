@@ -7,8 +7,9 @@ use glam::{DAffine3, DVec3};
 use crate::cores::following::Core;
 use crate::cores::rest::RestSurface;
 use crate::error::{Error, Result};
-use crate::fields::joint::Joint;
-use crate::fields::supports::Supports;
+use crate::fields::joint::{Fields, Joint};
+use crate::fields::normals::{EvenNormals, even_normals};
+use crate::fields::supports::{Supports, automatic_lengths};
 use crate::flesh::{Anatomy as FleshAnatomy, Parts};
 use crate::folds::Skin;
 use crate::numeric::csr::Csr;
@@ -65,6 +66,8 @@ pub(crate) struct Binding {
     core: OnceLock<Core>,
     /// Made when a joint first follows the law of flesh.
     anatomy: OnceLock<FleshAnatomy>,
+    /// Made when fields are even.
+    normals: OnceLock<EvenNormals>,
     /// Made when folds are repaired for the first time.
     skin: OnceLock<Skin>,
     /// Made when a frame first brings offsets or a body of its own.
@@ -133,6 +136,7 @@ impl Binding {
             faces: Arc::clone(&topology.faces),
             core: OnceLock::new(),
             anatomy: OnceLock::new(),
+            normals: OnceLock::new(),
             skin: OnceLock::new(),
             vertices_of_slot: OnceLock::new(),
             patches,
@@ -160,9 +164,40 @@ impl Binding {
         bones.map(|bone| of_bone[bone].cloned().unwrap_or_else(|| Joint::isotropic(bone)).checked()).collect()
     }
 
-    pub fn supports(&self, settings: &[Joint]) -> Supports {
-        let rest: Vec<DVec3> = self.sites.rest.iter().map(|&p| self.armature_from_rest.transform_point3(lanes::to(p))).collect();
-        Supports::new(&self.patches, &self.sites, &self.motions.tree, &self.plan.jobs, &rest, &self.inverse_areas, settings)
+    pub fn supports(&self, settings: &[Joint], fields: Fields) -> Supports {
+        let (tree, rest) = (&self.motions.tree, self.sites_in_armature());
+        if fields == Fields::Even {
+            // Now, not in the first frame.
+            self.normals();
+        }
+        Supports::new(&self.patches, &self.sites, tree, &self.plan.jobs, &rest, &self.inverse_areas, settings, fields)
+    }
+
+    fn sites_in_armature(&self) -> Vec<DVec3> {
+        self.sites.rest.iter().map(|&p| self.armature_from_rest.transform_point3(lanes::to(p))).collect()
+    }
+
+    /// What even fields push along, per slot; see `even_normals`.
+    pub fn normals(&self) -> &EvenNormals {
+        self.normals.get_or_init(|| {
+            let lengths = automatic_lengths(&self.motions.tree, &self.sites, &self.sites_in_armature());
+            let to_rest = self.armature_from_rest.inverse().matrix3;
+            let areas = (self.area_unit, &*self.inverse_areas);
+            even_normals(&self.faces_of_slots(), &self.slots_in_armature(), areas, &self.sites, &lengths, &to_rest)
+        })
+    }
+
+    /// Faces with their caps, as slots.
+    fn faces_of_slots(&self) -> Csr<u32> {
+        let mut faces = Csr::default();
+        for face in self.faces.rows() {
+            faces.push_row(face.iter().map(|&point| self.patches.slot_of_point[point as usize]));
+        }
+        faces
+    }
+
+    fn slots_in_armature(&self) -> Vec<DVec3> {
+        (0..self.patches.slot_count()).map(|slot| self.rest_in_armature(slot)).collect()
     }
 
     /// What can pass through what.
@@ -179,17 +214,13 @@ impl Binding {
     /// What lies under the bound skin.
     pub fn core(&self) -> &Core {
         self.core.get_or_init(|| {
-            let mut faces = Csr::default();
+            let faces = self.faces_of_slots();
             let mut is_used = vec![false; self.patches.slot_count()];
-            for face in self.faces.rows() {
-                let slots = face.iter().map(|&point| self.patches.slot_of_point[point as usize]);
-                slots.clone().for_each(|slot| is_used[slot as usize] = true);
-                faces.push_row(slots);
-            }
+            faces.values().iter().for_each(|&slot| is_used[slot as usize] = true);
             let used = (0..is_used.len()).filter(|&slot| is_used[slot]);
             let pairs: Vec<(u32, u32)> = used.map(|slot| (self.patches.component_of_slot(slot), slot as u32)).collect();
             let rest = RestSurface {
-                places: (0..self.patches.slot_count()).map(|slot| self.rest_in_armature(slot)).collect(),
+                places: self.slots_in_armature(),
                 areas: self.slot_areas(),
                 faces,
                 slots_of_component: Csr::from_pairs(self.components.len(), &pairs),
@@ -201,7 +232,7 @@ impl Binding {
     /// The body as the law of flesh sees it.
     pub fn anatomy(&self) -> &FleshAnatomy {
         self.anatomy.get_or_init(|| {
-            let places: Vec<DVec3> = (0..self.patches.slot_count()).map(|slot| self.rest_in_armature(slot)).collect();
+            let places = self.slots_in_armature();
             FleshAnatomy::new(&Parts {
                 patches: &self.patches,
                 sites: &self.sites,
@@ -275,6 +306,7 @@ impl Binding {
             + size_of_val(&*self.inverse_areas)
             + self.anatomy.get().map_or(0, FleshAnatomy::memory_bytes)
             + self.skin.get().map_or(0, Skin::memory_bytes)
+            + self.normals.get().map_or(0, EvenNormals::memory_bytes)
             + self.core.get().map_or(0, Core::memory_bytes)
             + self.vertices_of_slot.get().map_or(0, Csr::memory_bytes)
     }

@@ -63,7 +63,7 @@ mod workspaces;
 
 pub use error::{Error, Result, check_numbers};
 pub use fields::bare_correction::Target;
-pub use fields::joint::{Joint, Profiles, Shares};
+pub use fields::joint::{Fields, Joint, Profiles, Shares};
 pub use fields::profile::Profile;
 pub use flesh::settings::Flesh;
 pub use frame::{JointField, Pose, RefinementNeed, Workspace};

@@ -6,7 +6,7 @@ use glam::{DMat4, DVec3};
 
 use crate::binding::Binding;
 use crate::error::{Error, Result, check_finite};
-use crate::fields::joint::Joint;
+use crate::fields::joint::{Fields, Joint};
 use crate::fields::supports::Supports;
 use crate::frame::{Bound, Details, JointField, Mask, Needs, Pose, Workspace};
 use crate::parallel::crew;
@@ -32,11 +32,13 @@ pub struct Options {
     pub solver: Solver,
     /// Bone scale and translation move the target volume.
     pub keep_bone_scale: bool,
+    /// How fields lie on the skin.
+    pub fields: Fields,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { solver: Solver::default(), keep_bone_scale: true }
+        Self { solver: Solver::default(), keep_bone_scale: true, fields: Fields::default() }
     }
 }
 
@@ -85,7 +87,7 @@ impl VolumeSkin {
         let armature_from_object = check_object(object_from_armature)?.inverse();
         let binding = Binding::new(topology, rest, skinning, shape_deltas, armature_from_object);
         let joints = binding.settings(joints)?;
-        let supports = binding.supports(&joints);
+        let supports = binding.supports(&joints, options.fields);
         Ok(Self { binding: Arc::new(binding), supports: Arc::new(supports), joints: Arc::new(joints), options, mask: None })
     }
 
@@ -96,7 +98,8 @@ impl VolumeSkin {
     pub fn with_joints(&self, joints: &[Joint], options: Options) -> Result<Self> {
         let joints = self.binding.settings(joints)?;
         let same_sizes = joints.iter().zip(&*self.joints).all(|(a, b)| a.size.to_bits() == b.size.to_bits());
-        let supports = if same_sizes { Arc::clone(&self.supports) } else { Arc::new(self.binding.supports(&joints)) };
+        let is_same = same_sizes && options.fields == self.options.fields;
+        let supports = if is_same { Arc::clone(&self.supports) } else { Arc::new(self.binding.supports(&joints, options.fields)) };
         Ok(Self { supports, joints: Arc::new(joints), options, ..self.clone() })
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use numpy::{PyArray1, PyArray3};
 use pyo3::prelude::*;
-use turgor::{Options, Solver, Workspace, Workspaces};
+use turgor::{Fields, Options, Solver, Workspace, Workspaces};
 
 use crate::joint::{Joint, JointField, bone_index};
 use crate::mesh::Mesh;
@@ -29,6 +29,14 @@ fn solver(name: &str) -> PyResult<Solver> {
         "simultaneous" => Ok(Solver::Simultaneous),
         "sequential" => Ok(Solver::Sequential),
         _ => Err(TurgorError::new_err(format!("solver: need \"simultaneous\" or \"sequential\", got {name:?}"))),
+    }
+}
+
+fn fields(name: &str) -> PyResult<Fields> {
+    match name {
+        "plain" => Ok(Fields::Plain),
+        "even" => Ok(Fields::Even),
+        _ => Err(TurgorError::new_err(format!("fields: need \"plain\" or \"even\", got {name:?}"))),
     }
 }
 
@@ -68,7 +76,7 @@ impl VolumeSkin {
 #[pymethods]
 impl VolumeSkin {
     #[new]
-    #[pyo3(signature = (mesh, skinning, joints=None, *, solver="simultaneous", keep_bone_scale=true, shape_deltas=None, object_from_armature=None))]
+    #[pyo3(signature = (mesh, skinning, joints=None, *, solver="simultaneous", keep_bone_scale=true, fields="plain", shape_deltas=None, object_from_armature=None))]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn new(
         py: Python<'_>,
@@ -77,10 +85,11 @@ impl VolumeSkin {
         joints: Option<Vec<PyRef<'_, Joint>>>,
         solver: &str,
         keep_bone_scale: bool,
+        fields: &str,
         shape_deltas: Option<&Bound<'_, PyAny>>,
         object_from_armature: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let options = Options { solver: self::solver(solver)?, keep_bone_scale };
+        let options = Options { solver: self::solver(solver)?, keep_bone_scale, fields: self::fields(fields)? };
         let deltas: Vec<Vec<DVec3>> = shape_deltas.map_or(Ok(Vec::new()), |d| arrays::vector_rows(d, "shape_deltas"))?;
         let object = arrays::matrix(object_from_armature, "object_from_armature")?;
         let joints = joint_settings(joints);
@@ -111,18 +120,20 @@ impl VolumeSkin {
         self.inner.memory_bytes()
     }
 
-    #[pyo3(signature = (joints, *, solver=None, keep_bone_scale=None))]
+    #[pyo3(signature = (joints, *, solver=None, keep_bone_scale=None, fields=None))]
     fn with_joints(
         &self,
         py: Python<'_>,
         joints: Option<Vec<PyRef<'_, Joint>>>,
         solver: Option<&str>,
         keep_bone_scale: Option<bool>,
+        fields: Option<&str>,
     ) -> PyResult<Self> {
         let bound = self.inner.options();
         let options = Options {
             solver: solver.map_or(Ok(bound.solver), self::solver)?,
             keep_bone_scale: keep_bone_scale.unwrap_or(bound.keep_bone_scale),
+            fields: fields.map_or(Ok(bound.fields), self::fields)?,
         };
         let joints = joint_settings(joints);
         let inner = detached(py, || self.inner.with_joints(&joints, options))?;

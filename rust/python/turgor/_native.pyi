@@ -239,6 +239,9 @@ class VolumeSkin:
     solver: "simultaneous" (order-free, default) or "sequential" (as in the paper, parents first).
     keep_bone_scale: bone scale and translation move the target volume (intent, not loss). False: the target is the rest
         volume whatever the bones do.
+    fields: "plain": along the gradient of the volume, as in the paper, and less of a profile the farther from its joint;
+        "even": along normals that are evened out over a part of the flesh below, so that fine detail is carried along, and
+        profiles act as they are drawn. With added offsets or positions of another deformer, along the gradient too.
     object_from_armature: (4, 4) as it stands at bind; turns lengths of the mesh into the skeleton's. Identity if None.
     shape_deltas: (K, N, 3) displacement of each shape key from rest_positions, mixed by `shape_values` each frame.
     """
@@ -251,6 +254,7 @@ class VolumeSkin:
         *,
         solver: Literal["simultaneous", "sequential"] = "simultaneous",
         keep_bone_scale: bool = True,
+        fields: Literal["plain", "even"] = "plain",
         shape_deltas: ArrayLike | None = None,
         object_from_armature: ArrayLike | None = None,
     ) -> VolumeSkin: ...
@@ -271,6 +275,7 @@ class VolumeSkin:
         *,
         solver: Literal["simultaneous", "sequential"] | None = None,
         keep_bone_scale: bool | None = None,
+        fields: Literal["plain", "even"] | None = None,
     ) -> VolumeSkin:
         """The same binding and mask with other settings; cheap, the mesh and weights are shared."""
     def with_mask(self, mask: ArrayLike | None) -> VolumeSkin:

@@ -18,6 +18,16 @@ pub(crate) fn check_strengths(what: &'static str, strengths: &[f64]) -> Result<(
     }
 }
 
+/// How fields lie on the skin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Fields {
+    /// Along the gradient of the volume, as in \[RHC09\]; less of each profile the farther from its joint.
+    #[default]
+    Plain,
+    /// Along normals that are evened out: fine detail is carried along, not torn. Profiles act as they are drawn.
+    Even,
+}
+
 /// How the volume to add is shared: parts of a whole.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shares {

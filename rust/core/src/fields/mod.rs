@@ -3,6 +3,7 @@
 pub(crate) mod bare_correction;
 pub(crate) mod field;
 pub(crate) mod joint;
+pub(crate) mod normals;
 pub(crate) mod patch_sums;
 pub(crate) mod profile;
 pub(crate) mod profile_weights;

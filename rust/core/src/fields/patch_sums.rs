@@ -2,6 +2,8 @@
 //!
 //! Single precision is enough: what a field adds is measured in double precision on the moved points afterwards.
 
+use std::ops::Range;
+
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x4, f32x8};
 
@@ -15,13 +17,42 @@ use crate::surface::patches::Rows;
 /// One number per owned point of a patch.
 pub(crate) type Row = [f32; PATCH_POINTS];
 
+/// What even fields push along, of the points of one patch or of all.
+#[derive(Clone, Copy)]
+pub(crate) struct Normals<'a> {
+    /// Unit vectors.
+    pub directions: Rows<'a>,
+    /// Mean area over the length of the gradient at rest.
+    pub inverse_gradients: &'a [f32],
+}
+
+impl Normals<'_> {
+    pub fn of(&self, slots: &Range<usize>) -> Self {
+        Self { directions: self.directions.map(|row| &row[slots.clone()]), inverse_gradients: &self.inverse_gradients[slots.clone()] }
+    }
+}
+
 /// Directions of displacements: the gradient g of a point of rest area A, made less where skin is stretched or compressed.
 ///
 /// Without this a point moves by |g|/A: stretched skin, an armpit, would grow fins, and a crease be pushed into itself.
 /// With q = |g|/A, 1 on skin as at rest, 2q/(1 + q²) of it is left: at most twice as far, and hardly at all in a crease.
 /// Also the volume each direction adds by its length, and the length.
-pub(crate) fn directions(gradient: Rows, inverse_areas: &[f32], directions: &mut [Row; 3], volumes: &mut Row, lengths: &mut Row) {
-    dispatch!(Level::new(), simd => directions_by_lanes(simd, gradient, inverse_areas, directions, volumes, lengths));
+///
+/// Along `normals` where there are any, with q against the gradient at rest: one way, and as far, for all of a navel.
+pub(crate) fn directions(
+    gradient: Rows,
+    normals: Option<Normals>,
+    inverse_areas: &[f32],
+    directions: &mut [Row; 3],
+    volumes: &mut Row,
+    lengths: &mut Row,
+) {
+    match normals {
+        None => dispatch!(Level::new(), simd => directions_by_lanes(simd, gradient, inverse_areas, directions, volumes, lengths)),
+        Some(normals) => {
+            dispatch!(Level::new(), simd => along_normals_by_lanes(simd, gradient, normals, inverse_areas, directions, volumes, lengths));
+        }
+    }
 }
 
 #[inline(always)]
@@ -44,6 +75,31 @@ fn directions_by_lanes<S: Simd>(
         let left = 2.0 * q / (1.0 + q * q);
         (dx[i], dy[i], dz[i]) = (x[i] * left, y[i] * left, z[i] * left);
         (volumes[i], lengths[i]) = (square * left, length * left);
+    }
+}
+
+#[inline(always)]
+fn along_normals_by_lanes<S: Simd>(
+    _: S,
+    gradient: Rows,
+    normals: Normals,
+    inverse_areas: &[f32],
+    directions: &mut [Row; 3],
+    volumes: &mut Row,
+    lengths: &mut Row,
+) {
+    let count = inverse_areas.len();
+    let [x, y, z] = gradient.map(|row| &row[..count]);
+    let [nx, ny, nz] = normals.directions.map(|row| &row[..count]);
+    let inverse_gradients = &normals.inverse_gradients[..count];
+    let [dx, dy, dz] = directions.each_mut().map(|row| &mut row[..count]);
+    let (volumes, lengths) = (&mut volumes[..count], &mut lengths[..count]);
+    for i in 0..count {
+        let square = (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]) * (inverse_gradients[i] * inverse_gradients[i]);
+        let area = if inverse_areas[i] > 0.0 { inverse_areas[i].recip() } else { 0.0 };
+        lengths[i] = area * (2.0 * square / (1.0 + square));
+        (dx[i], dy[i], dz[i]) = (nx[i] * lengths[i], ny[i] * lengths[i], nz[i] * lengths[i]);
+        volumes[i] = x[i] * dx[i] + y[i] * dy[i] + z[i] * dz[i];
     }
 }
 
@@ -153,9 +209,9 @@ fn sums_along_by_lanes<S: Simd>(
         let (dy, dz) = (f32x8::simd_from(simd, dy[number]), f32x8::simd_from(simd, dz[number]));
         for axis in 0..3 {
             let [a, b, c] = axes[axis];
-            let moved = height * (dx * a + dy * b + dz * c).abs();
-            sums[axis] += moved * (x * a + y * b + z * c).abs();
-            most[axis] = larger(moved, most[axis]);
+            let moved = height * (dx * a + dy * b + dz * c);
+            sums[axis] += moved * (x * a + y * b + z * c);
+            most[axis] = larger(moved.abs(), most[axis]);
         }
     }
     let of = |axis: usize| (sum_of(sums[axis].into()), largest(most[axis].into()));

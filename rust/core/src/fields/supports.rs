@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::fields::joint::Joint;
+use crate::fields::joint::{Fields, Joint};
 use crate::fields::profile::BELL_WIDTH;
 use crate::numeric::block_rows::{Block, BlockRows, LANES, Present};
 use crate::numeric::csr::Csr;
@@ -18,6 +18,7 @@ use crate::volume_losses::job::{Job, find_job};
 
 /// Reach at rest, in joint lengths.
 const REACH: f64 = 1.25;
+const EVEN_REACH: f64 = 1.5;
 /// A joint is at least this many times as long as the skin that blends at it is far from it, so that bells reach the skin…
 const LENGTH_MIN: f64 = 1.0 / BELL_WIDTH;
 /// …and at most this many times, so that a correction stays at its joint on long thin limbs.
@@ -38,6 +39,8 @@ pub(crate) struct Supports {
     pub heirs: Vec<Option<u32>>,
     /// Length of each joint, armature space: the unit of its profiles. 0: no extent, no support.
     pub lengths: Vec<f64>,
+    /// Whether fields are even: see `Fields`.
+    pub is_even: bool,
 }
 
 /// What one joint may move of a patch.
@@ -73,7 +76,10 @@ impl Supports {
         rest: &[DVec3],
         inverse_areas: &[f32],
         settings: &[Joint],
+        fields: Fields,
     ) -> Self {
+        let is_even = fields == Fields::Even;
+        let reach = if is_even { EVEN_REACH } else { REACH };
         let lengths: Vec<f64> = automatic_lengths(tree, sites, rest).iter().zip(settings).map(|(l, s)| l * s.size).collect();
         let vicinities = tree.vicinities();
         let mut jobs_of_patch = Csr::default();
@@ -97,13 +103,14 @@ impl Supports {
                 near.sort_by_key(|n| n.0);
                 for same in near.chunk_by(|a, b| a.0 == b.0) {
                     let joint = same[0].0;
-                    let distance = rest_place.distance(tree.heads[joint]) / (REACH * lengths[joint]);
+                    let distance = rest_place.distance(tree.heads[joint]) / (reach * lengths[joint]);
                     let belongs = (same.iter().map(|n| n.1).sum::<f64>() - STRAY_WEIGHT) / (1.0 - STRAY_WEIGHT);
                     if distance >= 1.0 || distance.is_nan() || belongs <= 0.0 {
                         continue;
                     }
                     let belongs = belongs.min(1.0);
-                    let vicinity = belongs * belongs * (3.0 - 2.0 * belongs) * (1.0 - distance * distance).powi(2);
+                    let near = if is_even { even_nearness(distance) } else { (1.0 - distance * distance).powi(2) };
+                    let vicinity = belongs * belongs * (3.0 - 2.0 * belongs) * near;
                     let weight = vicinity as f32 * inverse_areas[slot];
                     let Some(job) = find_job(jobs, joint, patch.component) else { continue };
                     if weight <= 0.0 || !weight.is_finite() {
@@ -129,7 +136,7 @@ impl Supports {
             .iter()
             .map(|job| tree.chain(job.joint as usize).filter_map(|j| find_job(jobs, j, job.component)).find(|&j| has_hold[j as usize]))
             .collect();
-        Self { jobs_of_patch, block_offsets, weights, heirs, lengths }
+        Self { jobs_of_patch, block_offsets, weights, heirs, lengths, is_even }
     }
 
     /// Weights of the jobs that have any in a patch.
@@ -155,8 +162,14 @@ impl Supports {
     }
 }
 
+/// Nearness to a joint, by distance over reach: 1 as far as its profiles are drawn, so that they act as they are drawn.
+fn even_nearness(distance: f64) -> f64 {
+    let beyond = ((distance * EVEN_REACH - 1.0) / (EVEN_REACH - 1.0)).clamp(0.0, 1.0);
+    1.0 - beyond * beyond * (3.0 - 2.0 * beyond)
+}
+
 /// The bone's length, kept between bounds by how far from the joint the skin lies that blends there.
-fn automatic_lengths(tree: &JointTree, sites: &Sites, rest: &[DVec3]) -> Vec<f64> {
+pub(crate) fn automatic_lengths(tree: &JointTree, sites: &Sites, rest: &[DVec3]) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); tree.len()];
     let mut below: Vec<(usize, f64)> = Vec::new();
     for (site, &p) in rest.iter().enumerate() {

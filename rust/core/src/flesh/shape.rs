@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use fearless_simd::{Level, Simd, dispatch};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
 use super::anatomy::Anatomy;
 use super::bend::{Bent, Shifts};
@@ -14,6 +14,7 @@ use super::smoothstep;
 use super::turn::Turn;
 use super::twist::{Twisted, Twists};
 use crate::numeric::block_rows::{Block, LANES, PATCH_POINTS};
+use crate::numeric::lanes::{V4, to};
 use crate::parallel::split::{Ragged, for_each_piece};
 use crate::skinning::blend::Mode;
 use crate::skinning::motions::Motions;
@@ -31,6 +32,8 @@ pub(crate) struct Shape {
     is_active: bool,
     /// Per slot, armature space: in single precision, as it leaves the engine.
     offsets: Vec<[f32; 4]>,
+    /// Per slot, what turning by angle adds to the normal there; empty where no normals are asked for.
+    turned: Vec<[f32; 4]>,
     /// Per slot, part that lies in no closed crease; empty where none closes.
     free: Vec<f32>,
     has_creases: bool,
@@ -43,7 +46,7 @@ pub(crate) struct Shape {
 }
 
 /// What a frame brings for each point.
-pub(crate) struct Points<P, S, F> {
+pub(crate) struct Points<'a, P, S, F> {
     /// Where the point in a slot rests, armature space.
     pub place: P,
     /// Where it is skinned.
@@ -52,6 +55,9 @@ pub(crate) struct Points<P, S, F> {
     pub factor: Option<F>,
     /// Amid the rest places.
     pub centre: DVec3,
+    /// Unit vectors at rest that are turned along, in a space of their own; none: empty.
+    pub normals: &'a [V4],
+    pub armature_from_normals: DMat3,
 }
 
 impl Shape {
@@ -64,6 +70,12 @@ impl Shape {
     #[inline(always)]
     pub fn offset(&self, slot: usize) -> [f32; 4] {
         if self.is_active { self.offsets[slot] } else { [0.0; 4] }
+    }
+
+    /// What turning by angle adds to the normal at the point in a slot, as skinning carries it along.
+    pub fn turned(&self, slot: usize) -> DVec3 {
+        let [x, y, z, _] = self.turned.get(slot).copied().filter(|_| self.is_active).unwrap_or_default();
+        DVec3::new(f64::from(x), f64::from(y), f64::from(z))
     }
 
     /// Added to each slot of an active frame.
@@ -97,7 +109,7 @@ impl Shape {
     }
 
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.offsets) + size_of_val(&*self.free)
+        size_of_val(&*self.offsets) + size_of_val(&*self.turned) + size_of_val(&*self.free)
     }
 
     /// No law in this frame.
@@ -164,6 +176,7 @@ impl Shape {
         F: Fn(usize) -> f64 + Sync,
     {
         self.offsets.resize(patches.slot_count(), [0.0; 4]);
+        self.turned.resize(points.normals.len(), [0.0; 4]);
         self.free.resize(if self.has_creases { patches.slot_count() } else { 0 }, 1.0);
         self.joints.clear();
         self.joints.extend(anatomy.limbs.iter().zip(&self.turns).enumerate().map(|(joint, (limb, turn))| {
@@ -179,14 +192,19 @@ impl Shape {
         let twists = Twists { limbs: &anatomy.limbs, turns: &self.turns, channels: &motions.channels };
         let frame = Frame { anatomy, joints: &self.joints, twists, is_linear: motions.palette.mode == Mode::Linear };
         let level = Level::new();
+        let turned_offsets = if points.normals.is_empty() { &patches.no_rows } else { &patches.slot_offsets };
         let free_offsets = if self.has_creases { &patches.slot_offsets } else { &patches.no_rows };
         for_each_piece(
             patches.list.len(),
-            (Ragged::new(&mut self.offsets, &patches.slot_offsets), Ragged::new(&mut self.free, free_offsets)),
-            &|index, (offsets, free)| {
+            (
+                Ragged::new(&mut self.offsets, &patches.slot_offsets),
+                Ragged::new(&mut self.turned, turned_offsets),
+                Ragged::new(&mut self.free, free_offsets),
+            ),
+            &|index, (offsets, turned, free)| {
                 let slots = patches.list[index].start..patches.list[index].start + patches.list[index].owned;
                 let (offsets, free) = (offsets.values.as_chunks_mut().0, free.values.as_chunks_mut().0);
-                dispatch!(level, simd => frame.patch(simd, index, slots, points, offsets, free));
+                dispatch!(level, simd => frame.patch(simd, index, slots, points, (offsets, turned.values), free));
             },
         );
     }
@@ -220,7 +238,7 @@ impl Frame<'_> {
         index: usize,
         slots: Range<usize>,
         points: &Points<P, S, F>,
-        offsets: &mut [Block<[f32; 4]>],
+        (offsets, turned): (&mut [Block<[f32; 4]>], &mut [[f32; 4]]),
         free: &mut [Block<f32>],
     ) where
         P: Fn(usize) -> DVec3,
@@ -228,6 +246,7 @@ impl Frame<'_> {
         F: Fn(usize) -> f64,
     {
         offsets.as_flattened_mut().fill([0.0; 4]);
+        turned.fill([0.0; 4]);
         free.as_flattened_mut().fill(1.0);
         let Anatomy { nodes, tops, near, near_of_patch, twists, twists_of_patch, nodes_of_patch, .. } = self.anatomy;
         let (near_rows, twist_rows) = (near_of_patch.row(index), twists_of_patch.row(index));
@@ -263,6 +282,9 @@ impl Frame<'_> {
                 put(&mut added, at, lanes::add(so_far, single(blended.by + apart)));
             }
         }
+        if !turned.is_empty() && (has_twists || has_nodes) {
+            self.turn_normals(index, slots.clone(), points, &places, turned);
+        }
         if has_bends {
             let mut shifts = [Shifts::NONE; BLOCKS];
             for row in near_rows {
@@ -285,6 +307,52 @@ impl Frame<'_> {
             if let Some(free) = free.get_mut(at / LANES) {
                 free[at % LANES] = 1.0 - (1.0 - free[at % LANES]) * factor;
             }
+        }
+    }
+
+    /// What turning by angle adds to normals: as affine as what it adds to points.
+    #[inline(always)]
+    fn turn_normals<P, S, F>(
+        &self,
+        index: usize,
+        slots: Range<usize>,
+        points: &Points<P, S, F>,
+        places: &[Points8; BLOCKS],
+        turned: &mut [[f32; 4]],
+    ) where
+        P: Fn(usize) -> DVec3,
+    {
+        let Anatomy { nodes, tops, twists, twists_of_patch, .. } = self.anatomy;
+        let (mut ends, mut by) = (*places, [NOWHERE; BLOCKS]);
+        let normal = |slot: usize| (points.armature_from_normals * to(points.normals[slot])).normalize_or_zero();
+        for (at, slot) in slots.clone().enumerate() {
+            put(&mut ends, at, single((points.place)(slot) - points.centre + normal(slot)));
+        }
+        for row in twists_of_patch.row(index) {
+            if let Some(twisted) = &self.joints[usize::from(row.joint)].twisted {
+                for block in twists.row(row.row as usize) {
+                    let number = block.number as usize;
+                    let mut start = NOWHERE;
+                    twisted.add(block, &places[number], &mut start);
+                    twisted.add(block, &ends[number], &mut by[number]);
+                    for axis in 0..3 {
+                        for lane in 0..LANES {
+                            by[number][axis][lane] -= start[axis][lane];
+                        }
+                    }
+                }
+            }
+        }
+        for (at, slot) in slots.enumerate() {
+            let nodes = nodes.row(slot);
+            let mut sum = at_lane(&by, at);
+            if nodes.iter().any(|node| self.joints[usize::from(node.joint)].twisted.is_some()) {
+                let (top, place) = (usize::from(tops[slot]), (points.place)(slot));
+                let along = self.twists.blended(nodes, top, place + normal(slot)).by - self.twists.blended(nodes, top, place).by;
+                sum = lanes::add(sum, single(along));
+            }
+            let [x, y, z] = sum;
+            turned[at] = [x, y, z, 0.0];
         }
     }
 

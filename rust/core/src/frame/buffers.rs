@@ -5,6 +5,7 @@ use glam::{DAffine3, DVec3};
 use super::Bound;
 use super::added::Added;
 use super::body::Body;
+use super::carried::Carried;
 use super::local::Local;
 use super::places::{Coordinates, Places};
 use crate::fields::field::{Capacity, Field, FieldFrame};
@@ -31,6 +32,7 @@ pub(super) struct Posed {
 #[derive(Debug, Clone)]
 pub(super) struct Skinned {
     pub places: Places,
+    pub carried: Carried,
     /// Per slot, what is added to the skin, armature space; empty where nothing is.
     pub offsets: Vec<[f32; 3]>,
     pub patches: Vec<SkinnedPatch>,
@@ -195,6 +197,7 @@ impl Skinned {
         let patches = &bound.binding.patches;
         Self {
             places: Places { near: coordinates(bound), rest: coordinates(bound) },
+            carried: Carried { rows: if bound.supports.is_even { coordinates(bound) } else { Coordinates::default() }, is_used: false },
             offsets: Vec::new(),
             patches: vec![SkinnedPatch::default(); patches.list.len()],
             giant_volumes: vec![0.0; patches.giants.len()],
@@ -202,7 +205,9 @@ impl Skinned {
     }
 
     pub fn memory_bytes(&self) -> usize {
-        memory_of(&self.places.near) + memory_of(&self.places.rest) + size_of_val(&*self.offsets) + size_of_val(&*self.patches)
+        let Self { places, carried, offsets, patches, .. } = self;
+        let rows = [&places.near, &places.rest, &carried.rows];
+        rows.map(memory_of).into_iter().sum::<usize>() + size_of_val(&**offsets) + size_of_val(&**patches)
     }
 }
 

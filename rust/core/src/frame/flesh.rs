@@ -45,6 +45,8 @@ fn start(flesh: &mut Shape, mask: Option<&Mask>, bound: Bound, pose: &Pose, pose
         place: |slot: usize| lanes::to(palette.in_armature(sites.mean(slot, |site| rest[site]))),
         skinned: |slot: usize| lanes::to(sites.mean(slot, |site| palette.skin(&sites.influences, site, rest[site]))) + palette.origin,
         centre: palette.armature_from_rest().translation,
+        normals: if bound.supports.is_even { &binding.normals().directions } else { &[] },
+        armature_from_normals: palette.armature_from_rest().matrix3,
         factor: has_factor.then_some(|slot: usize| {
             let of_site = |site: usize| {
                 let (joints, weights) = sites.influences.of(site);

@@ -51,8 +51,9 @@ fn visit_directions(problem: Problem, gradient: &Gradient, index: usize, mut vis
     let slots = binding.patches.list[index].start..binding.patches.slot_offsets[index + 1] as usize;
     let gradient = gradient.rows.each_ref().map(|row| &row[slots.clone()]);
     let areas = &binding.inverse_areas[slots.clone()];
+    let normals = problem.normals().map(|normals| normals.of(&slots));
     with_scratch(|Scratch { fields: rows, .. }| {
-        patch_sums::directions(gradient, areas, &mut rows.directions, &mut rows.volumes, &mut rows.lengths);
+        patch_sums::directions(gradient, normals, areas, &mut rows.directions, &mut rows.volumes, &mut rows.lengths);
         if let Some(mask) = mask {
             patch_sums::mask(&mask.of_slot[slots.clone()], &mut rows.directions, &mut rows.volumes, &mut rows.lengths);
         }

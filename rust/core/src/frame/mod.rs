@@ -4,6 +4,7 @@
 mod added;
 mod body;
 mod buffers;
+mod carried;
 mod flesh;
 mod joint_field;
 mod linear_step;
@@ -154,6 +155,7 @@ impl Workspace {
         let flesh = flesh::shape(flesh, mask, bound, pose, posed);
         // First: it is little, and helpers are on their way.
         losses.measure_forms(binding, posed, flesh);
+        skinned.carry_normals(bound, posed, flesh);
         let (skinned, staged) = skinned.skin(binding, posed, flesh, staged.start(binding, posed), &mut solution.gradient);
         losses.gather(binding, posed, flesh, staged);
         targets.weigh(binding, posed, flesh, skinned, staged);

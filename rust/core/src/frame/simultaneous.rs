@@ -46,6 +46,7 @@ impl Fields {
         let Problem { bound: Bound { binding, supports, settings }, mask, skinned, targets, .. } = problem;
         let (patches, jobs, sources) = (&binding.patches, &targets.jobs, &swept.sources);
         let (places, has_profiles) = (skinned.places.near.each_ref().map(|c| &**c), !self.profiled.is_empty());
+        let normals = problem.normals();
         let profile_offsets = if has_profiles { &supports.block_offsets } else { &patches.no_rows };
         for_each_piece(
             patches.list.len(),
@@ -67,7 +68,7 @@ impl Fields {
                     import_gradient(binding, index, sources, first, &mut gradient);
                     let gradient = gradient.map(|row| &*row);
                     let areas = &binding.inverse_areas[slots.clone()];
-                    patch_sums::directions(gradient, areas, directions, volumes, lengths);
+                    patch_sums::directions(gradient, normals.map(|normals| normals.of(&slots)), areas, directions, volumes, lengths);
                     if let Some(mask) = mask {
                         *unmasked = *volumes;
                         patch_sums::mask(&mask.of_slot[slots.clone()], directions, volumes, lengths);
@@ -157,6 +158,7 @@ impl Fields {
     ) {
         let Problem { bound: Bound { binding, supports, settings }, mask, skinned, targets, .. } = problem;
         let (patches, Correction { moves, components: outcomes, .. }) = (&binding.patches, correction);
+        let normals = problem.normals();
         let local = Some(&targets.local).filter(|local| local.is_used && matches!(pass, Pass::All | Pass::Shell));
         let (gradient, places) = (swept.rows.each_ref().map(|c| &**c), skinned.places.near.each_ref().map(|c| &**c));
         for_each_piece(patches.list.len(), Ragged::new(moves, &patches.slot_offsets), &|index, moves| {
@@ -170,7 +172,7 @@ impl Fields {
                 let areas = &binding.inverse_areas[slots.clone()];
                 let component = &self.components[patch.component as usize];
                 let Scratch { fields: FieldRows { directions, volumes, lengths, bell, .. }, sum, .. } = scratch;
-                patch_sums::directions(gradient, areas, directions, volumes, lengths);
+                patch_sums::directions(gradient, normals.map(|normals| normals.of(&slots)), areas, directions, volumes, lengths);
                 if let Some(mask) = mask {
                     patch_sums::mask(&mask.of_slot[slots.clone()], directions, volumes, lengths);
                 }

@@ -82,6 +82,12 @@ pub(crate) fn transform(m: &Columns, p: V4) -> V4 {
     add_scaled(add_scaled(add_scaled(m[3], m[0], p[0]), m[1], p[1]), m[2], p[2])
 }
 
+/// The same of a direction.
+#[inline(always)]
+pub(crate) fn linear(m: &Columns, v: V4) -> V4 {
+    add_scaled(add_scaled(scale(m[0], v[0]), m[1], v[1]), m[2], v[2])
+}
+
 /// Four vectors side by side: one to a lane.
 ///
 /// Not through `map` or iterators over arrays of these: they are not compiled for the instruction set of the caller.

@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat4, DVec3};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result, check_finite, check_indices, check_matrices, check_numbers, check_offsets};
-use crate::numeric::lanes::{self, Columns, V4, add_scaled, affine, columns, sub, transform};
+use crate::numeric::lanes::{self, Columns, V4, add_scaled, affine, columns, linear, scale, sub, transform};
 use crate::skinning::dual_quaternion::{Blend, DualQuaternion};
 use crate::skinning::skeleton::Skeleton;
 
@@ -303,6 +303,35 @@ impl Palette {
                 self.masked(influences.mask(vertex), p, sub(blend.transform(x), lanes::from(self.origin)))
             }
         }
+    }
+
+    /// Turns a direction at rest as one vertex is turned, its length between. Result in armature space.
+    #[inline(always)]
+    pub fn carry(&self, influences: &Influences, vertex: usize, direction: V4) -> V4 {
+        let (bones, weights) = influences.of(vertex);
+        let mask = influences.mask(vertex);
+        let still = || linear(&self.armature_columns, direction);
+        let moved = match self.mode {
+            _ if bones.len() == 1 => linear(&self.linear[usize::from(bones[0])], direction),
+            Mode::Linear => {
+                let mut sum = [lanes::ZERO; 4];
+                for (&bone, &weight) in bones.iter().zip(weights) {
+                    let m = &self.linear[usize::from(bone)];
+                    for i in 0..3 {
+                        sum[i] = add_scaled(sum[i], m[i], weight);
+                    }
+                }
+                linear(&sum, direction)
+            }
+            Mode::DualQuaternion => {
+                let mut blend = Blend::NONE;
+                for (&bone, &weight) in bones.iter().zip(weights) {
+                    blend.add(&self.dual[usize::from(bone)], weight, lanes::ZERO);
+                }
+                blend.turn(still())
+            }
+        };
+        if mask == 1.0 { moved } else { add_scaled(scale(still(), 1.0 - mask), moved, mask) }
     }
 
     /// Part of the way from where the armature leaves a point alone to `moved`.

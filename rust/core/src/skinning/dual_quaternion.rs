@@ -114,6 +114,12 @@ impl Blend {
     pub fn transform(&self, p: V4) -> V4 {
         transform(self.rotation, self.dual, p)
     }
+
+    /// A direction, turned.
+    #[inline(always)]
+    pub fn turn(&self, direction: V4) -> V4 {
+        transform(self.rotation, lanes::ZERO, direction)
+    }
 }
 
 /// Motion of a point by a dual quaternion of any length. One without rotation leaves the point in place.

@@ -1,5 +1,8 @@
 //! The mesh as a surface that encloses a volume: welding, shells, patches, and the volume itself [MATH §1].
 
+pub(crate) mod delaunay;
+pub(crate) mod diffusion;
+pub(crate) mod laplacian;
 pub(crate) mod measures;
 pub(crate) mod mesh;
 pub(crate) mod patches;

@@ -4,14 +4,11 @@
 
 mod bone_paths;
 mod crossings;
-mod delaunay;
-mod diffusion;
 mod distances;
 mod dividing;
 mod geodesic;
 mod initial;
 mod inset;
-mod laplacian;
 mod lattice;
 mod limits;
 mod mirror;
@@ -31,9 +28,9 @@ pub use limits::WeightRows;
 pub use skin::Surface;
 
 use crate::error::{Error, Result, check_finite, check_indices, check_offsets};
-use diffusion::Diffusion;
+use crate::surface::diffusion::Diffusion;
+use crate::surface::laplacian::Laplacian;
 use distances::Distances;
-use laplacian::Laplacian;
 use lattice::Extent;
 use limits::Limits;
 use skin::{NO_SHELL, Skin};

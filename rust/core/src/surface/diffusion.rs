@@ -1,4 +1,4 @@
-//! Heat flows over the skin: weights are evened out over a length that is given per point.
+//! Heat flows over the skin: what is given per point is evened out over a length that is given per point.
 //!
 //! Two implicit steps, (2M/ℓ² + L) w = 2M/ℓ² w₀: exact for constants, so that sums stay 1, and without new extremes. One alone
 //! leaves a crest in the slope of a step, two take less volume at the same stretch. One sparse Cholesky factor serves both, and
@@ -8,6 +8,7 @@ use faer::linalg::solvers::SolveCore;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Conj, MatMut, Side};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::laplacian::Laplacian;
@@ -70,38 +71,56 @@ impl Diffusion {
     }
 
     fn solve(&self, columns: &mut [f32]) {
-        let size = self.masses_per_step.len();
         // Most bones are nowhere near most parts: columns of zeros stay zeros.
         let mut filled: Vec<&mut [f32]> = columns.chunks_mut(self.count).filter(|column| column.iter().any(|w| *w != 0.0)).collect();
-        let mut values = Vec::with_capacity(size * filled.len());
+        let mut values = Vec::with_capacity(self.masses_per_step.len() * filled.len());
         for column in &filled {
-            let start = values.len();
-            values.extend(column.iter().map(|&w| f64::from(w)));
-            for corners in self.laplacian.polygons.rows() {
-                let mean = corners.iter().map(|&p| f64::from(column[p as usize])).sum::<f64>() / corners.len() as f64;
-                values.push(mean);
-            }
-            debug_assert_eq!(values.len() - start, size);
+            self.append(&mut values, column.iter().map(|&w| f64::from(w)));
         }
+        self.flow(&mut values);
+        for (column, values) in filled.iter_mut().zip(values.chunks(self.masses_per_step.len())) {
+            for (w, value) in column.iter_mut().zip(values) {
+                *w = value.max(0.0) as f32;
+            }
+        }
+    }
+
+    /// Vectors per point, evened out.
+    pub fn vectors(&self, vectors: &[DVec3]) -> Vec<DVec3> {
+        let mut values = Vec::with_capacity(3 * self.masses_per_step.len());
+        for axis in 0..3 {
+            self.append(&mut values, vectors.iter().map(|v| v[axis]));
+        }
+        self.flow(&mut values);
+        let at = |axis: usize, point: usize| values[axis * self.masses_per_step.len() + point];
+        (0..self.count).map(|point| DVec3::new(at(0, point), at(1, point), at(2, point))).collect()
+    }
+
+    /// Appends a column, with the middles of polygons.
+    fn append(&self, values: &mut Vec<f64>, column: impl Iterator<Item = f64>) {
+        let start = values.len();
+        values.extend(column);
+        for corners in self.laplacian.polygons.rows() {
+            values.push(corners.iter().map(|&p| values[start + p as usize]).sum::<f64>() / corners.len() as f64);
+        }
+        debug_assert_eq!(values.len() - start, self.masses_per_step.len());
+    }
+
+    /// All steps, of whole columns.
+    fn flow(&self, values: &mut [f64]) {
+        let size = self.masses_per_step.len();
         for _ in 0..STEPS {
             for column in values.chunks_mut(size) {
                 column.iter_mut().zip(&self.masses_per_step).for_each(|(value, mass)| *value *= mass);
             }
-            let right = MatMut::from_column_major_slice_mut(&mut values, size, filled.len());
-            self.factor.solve_in_place_with_conj(Conj::No, right);
-        }
-        for (column, values) in filled.iter_mut().zip(values.chunks(size)) {
-            for (w, value) in column.iter_mut().zip(values) {
-                *w = value.max(0.0) as f32;
-            }
+            let count = values.len() / size;
+            self.factor.solve_in_place_with_conj(Conj::No, MatMut::from_column_major_slice_mut(values, size, count));
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
     use crate::numeric::csr::Csr;
 

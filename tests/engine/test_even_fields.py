@@ -1,0 +1,82 @@
+"""Even fields: fine detail is carried along with the skin around it, and profiles act as they are drawn."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import turgor
+from hypothesis import given
+from hypothesis import strategies as st
+from rigs import Fields, Mode, Rig, chain, limb
+from surfaces import tube
+
+seeds = st.integers(0, 2**32 - 1)
+modes = st.sampled_from(["linear", "dual_quaternion"])
+ANGLE = 1.0
+
+
+def dented(depth: float) -> Rig:
+    """A bent limb whose inside, beside the joint, has a hole like a navel: its walls look at each other."""
+    surface = tube(rings=96, sides=48)
+    rig = chain(surface, 2)
+    x, y, z = surface.positions.T
+    away = np.hypot(x - 2.0, z) / 0.12
+    inside = np.where((y > 0.0) & (away < 1.0), (1.0 - np.minimum(away, 1.0) ** 2) ** 2, 0.0)
+    moved = surface.positions - depth * inside[:, None] * np.array([0.0, 1.0, 0.0])
+    return rig.with_surface(surface.moved(moved))
+
+
+def stretch(rig: Rig, frame: turgor.Frame) -> float:
+    """The worst length of an edge, corrected, over the longer of skinned and at rest."""
+    offsets, corners = rig.surface.face_offsets, rig.surface.face_corners
+    faces = [corners[start:end] for start, end in pairwise(offsets)]
+    edges = np.array([(a, b) for face in faces for a, b in zip(face, np.roll(face, -1), strict=True)])
+    length = lambda points: np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)  # noqa: E731
+    return float((length(frame.positions) / np.maximum(length(frame.skinned), length(rig.surface.positions))).max())
+
+
+def deformed(rig: Rig, fields: Fields) -> turgor.Frame:
+    return rig.body(joints=[turgor.presets.belly(1)], fields=fields).deform(rig.bent(ANGLE))
+
+
+def test_a_navel_is_carried_along():
+    rig = dented(0.15)
+    smooth, even, plain = deformed(dented(0.0), "even"), deformed(rig, "even"), deformed(rig, "plain")
+    assert even.report.relative_error <= 1e-12
+    assert stretch(rig, even) <= 1.1 * stretch(dented(0.0), smooth)
+    assert stretch(rig, plain) > 1.2 * stretch(rig, even)
+
+
+@given(seeds, modes)
+def test_profiles_act_as_they_are_drawn(seed: int, mode: Mode):
+    """A curve that is 1 everywhere: every point that is wholly the joint's, up to a length away, counts in full."""
+    rig = limb(bone_count=2)
+    everywhere = (np.ones(2), np.ones(2), np.ones(2))
+    joints = [turgor.Joint(1, shares=(0.0, 0.0, 1.0), profiles=everywhere)]
+    pose = rig.bent(float(np.random.default_rng(seed).uniform(0.3, 1.2)))
+    field = rig.body(mode, joints, fields="even").joint_field(1, pose)
+    head = rig.rest_matrices[1][:3, 3]
+    places = np.linalg.solve(field.axes.T * field.length, (rig.body(mode).deform(pose).skinned - field.origin).T).T
+    away = np.linalg.norm(rig.surface.positions - head, axis=1) / field.length
+    inside = (np.abs(places) < 0.99).all(1) & (away < 0.99)
+    assert inside.any()
+    bell = rig.body(mode, [turgor.Joint(1)], fields="even").joint_field(1, pose)
+    drawn = (field.gamma - (1.0 - field.axes_share) * bell.gamma)[inside] / field.axes_share
+    np.testing.assert_allclose(drawn, 1.0, atol=1e-5)
+
+
+@given(seeds, modes)
+def test_without_detail_both_push_alike(seed: int, mode: Mode):
+    """On a round limb the evened out normals are its normals: what is left between the two is reach, not direction."""
+    rig = limb(bone_count=2)
+    pose = rig.bent(float(np.random.default_rng(seed).uniform(0.2, 0.8)))
+    plain, even = (rig.body(mode, fields=fields).deform(pose) for fields in ("plain", "even"))
+    offsets = [frame.positions - frame.skinned for frame in (plain, even)]
+    assert np.abs(offsets[0] - offsets[1]).max() <= 0.5 * np.abs(offsets[0]).max()
+
+
+def test_an_unknown_kind_is_refused_by_name():
+    with pytest.raises(turgor.TurgorError, match='fields: need "plain" or "even", got "round"'):
+        limb().body(fields="round")  # type: ignore[arg-type]
