@@ -202,7 +202,7 @@ mod tests {
             let joints: Vec<Joint> = (0..5).map(|bone| Joint { flesh: crate::Flesh::NONE, ..Joint::isotropic(bone) }).collect();
             let body = body.with_joints(&joints, Options::default()).unwrap();
             body.deform(&Pose::new(&pose), &mut workspace, &mut [[0.0; 3]; 8]).unwrap();
-            let (binding, anatomy, motions) = (body.binding(), body.binding().anatomy(), &workspace.motions);
+            let (binding, anatomy, motions) = (body.binding(), body.binding().anatomy(), workspace.motions());
             let turns = vec![Turn::default(); motions.tree.len()];
             let twists = Twists { limbs: &anatomy.limbs, turns: &turns, channels: &motions.channels };
             for (&slot, &site) in binding.slot_of_vertex.iter().zip(&binding.sites.site_of_vertex) {

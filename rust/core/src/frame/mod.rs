@@ -182,6 +182,12 @@ impl Workspace {
         Solved { binding, posed: &self.posed, flesh: &self.flesh, skinned: &self.skinned, correction: &self.solution.correction }
     }
 
+    /// How bones move in the frame.
+    #[cfg(test)]
+    pub(crate) fn motions(&self) -> &crate::skinning::motions::Motions {
+        &self.posed.motions
+    }
+
     fn problem<'a>(&'a self, bound: Bound<'a>) -> Problem<'a> {
         Problem { bound, mask: self.mask.as_deref(), flesh: &self.flesh, skinned: &self.skinned, targets: &self.targets }
     }
