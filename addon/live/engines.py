@@ -64,13 +64,14 @@ def engine_of(
 def settings_key(saved: settings.BodySettings, bound: VolumeBinding) -> object:
     """A key that is equal while these settings ask for the same engine."""
     arrays = tuple(array.tobytes() for array in saved.joints)
-    return arrays, saved.seconds, saved.solver, saved.fields, saved.keep_bone_scale, bound.curves.stamps
+    return arrays, saved.seconds, saved.solver, saved.fields, saved.flesh, saved.keep_bone_scale, bound.curves.stamps
 
 
 def _joints(target: bpy.types.Object, saved: settings.BodySettings, bound: VolumeBinding) -> list[turgor.Joint]:
     rows = joint_names.rows_of(bound.bones, bound.body.joint_bones)
     arrays, tables = saved.joints, bound.curves.tables
     strengths = joints.effective_strengths(arrays.strengths, arrays.is_muted, arrays.is_solo)
+    flesh = saved.flesh * np.where(joints.is_heard(arrays.is_muted, arrays.is_solo), arrays.flesh, 0.0)
     found = []
     for place, name in enumerate(settings.joint_names(target)):
         if name not in rows:
@@ -91,6 +92,12 @@ def _joints(target: bpy.types.Object, saved: settings.BodySettings, bound: Volum
             None if second is None else _second(second, tables.get((place, True))),
             float(arrays.blends[place]) if by_value else None,
             float(arrays.fold_losses[place]),
+            joints.FleshSettings(
+                float(flesh[place]),
+                None if arrays.use_auto_outside[place] else float(arrays.outside[place]),
+                float(arrays.spread_twists[place]),
+                float(arrays.creases[place]),
+            ),
         )
         found += [joints.engine_joint(joint._replace(bone=row)) for row in rows[name]]
     return found

@@ -29,6 +29,7 @@ def add(target: bpy.types.Object) -> None:
     saved = target.turgor
     saved.version = DATA_VERSION
     saved.fields = "EVEN"
+    saved.flesh = 1.0
     saved.bound_frame = bpy.context.scene.frame_current
     if armature is not None and not stack_proof.lane_of(target).is_evaluated:
         drivers.follow_armature(target, ours, armature)

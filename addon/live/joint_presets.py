@@ -15,6 +15,9 @@ from ..properties.profiles import ProfileSet
 from ..scene import curves
 
 
+_FLESH = ("flesh", "use_auto_outside", "outside", "spread_twist", "crease")
+
+
 def text_of(joint: TurgorJoint) -> str:
     """All settings and curves of a joint."""
     preset = JointPreset(
@@ -23,6 +26,11 @@ def text_of(joint: TurgorJoint) -> str:
         joint.blend_mode,
         joint.blend,
         joint.fold_loss,
+        joint.flesh,
+        joint.use_auto_outside,
+        joint.outside,
+        joint.spread_twist,
+        joint.crease,
         _read(joint),
         _read(joint.second),
     )
@@ -44,7 +52,7 @@ def apply(text: str, joints: list[TurgorJoint]) -> None:
         _write(joint, preset.first)
         _write(joint.second, preset.second)
         # After the presets: Belly brings a blend of its own.
-        for name in ("strength", "size", "blend_mode", "blend", "fold_loss"):
+        for name in (*_FLESH, "strength", "size", "blend_mode", "blend", "fold_loss"):
             setattr(joint, name, getattr(preset, name))
 
 

@@ -49,6 +49,11 @@ class JointPreset(NamedTuple):
     blend_mode: str
     blend: float
     fold_loss: float
+    flesh: float
+    use_auto_outside: bool
+    outside: float
+    spread_twist: float
+    crease: float
     first: Profiles
     second: Profiles
 
@@ -83,6 +88,12 @@ def from_text(text: str) -> JointPreset:
         _word(fields, "blend_mode"),
         _number(fields, "blend", 0.0, 1.0),
         _number(fields, "fold_loss", 0.0),
+        # Presets of before have none of these.
+        _number({"flesh": 1.0, **fields}, "flesh", 0.0, 1.0),
+        bool(fields.get("use_auto_outside", True)),
+        _number({"outside": 1.0, **fields}, "outside", 0.0, 1.0),
+        _number({"spread_twist": 1.0, **fields}, "spread_twist", 0.0, 1.0),
+        _number({"crease": 1.0, **fields}, "crease", 0.0, 1.0),
         _profiles(fields, "first"),
         _profiles(fields, "second"),
     )

@@ -12,6 +12,15 @@ from . import profiles
 from .profiles import Profiles
 
 
+class FleshSettings(NamedTuple):
+    """How one joint follows the law of flesh, each in 0..1; see `turgor.Joint`."""
+
+    flesh: float
+    outside: float | None  # None: by the joint's place
+    spread_twist: float
+    crease: float
+
+
 class JointSettings(NamedTuple):
     """One joint as saved."""
 
@@ -22,6 +31,7 @@ class JointSettings(NamedTuple):
     second: Profiles | None  # None: no blend
     blend: float | None  # part of the second set; None: as the joint loses volume
     fold_loss: float
+    flesh: FleshSettings
 
 
 def engine_joint(joint: JointSettings) -> turgor.Joint:
@@ -38,15 +48,27 @@ def engine_joint(joint: JointSettings) -> turgor.Joint:
         tables = profiles.mixed_tables(tables, profiles.tables(second), joint.blend)
         parts = profiles.mixed_parts(parts, profiles.parts(second), joint.blend)
     shares = profiles.engine_shares(parts)
-    return turgor.Joint(joint.bone, shares, tables, strength=joint.strength, size=joint.size, **options)
+    return turgor.Joint(
+        joint.bone,
+        shares,
+        tables,
+        strength=joint.strength,
+        size=joint.size,
+        **joint.flesh._asdict(),
+        **options,
+    )
 
 
 def effective_strengths(
     strengths: NDArray[np.float32], is_muted: NDArray[np.bool_], is_solo: NDArray[np.bool_]
 ) -> NDArray[np.float32]:
     """(J,) 0 for joints that are muted, or not solo where another is."""
-    is_heard = ~is_muted & (is_solo if is_solo.any() else True)
-    return np.where(is_heard, strengths, np.float32(0.0))
+    return np.where(is_heard(is_muted, is_solo), strengths, np.float32(0.0))
+
+
+def is_heard(is_muted: NDArray[np.bool_], is_solo: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(J,) joints that are not muted, and solo where any is."""
+    return ~is_muted & (is_solo if is_solo.any() else True)
 
 
 def as_written(value: float) -> float:

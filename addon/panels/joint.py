@@ -33,6 +33,8 @@ def draw_joint(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
     column.prop(edited, "preset")
     column.prop(edited, "strength")
     column.prop(edited, "size")
+    if volume_settings(ob).flesh > 0.0:
+        _draw_flesh(column, edited)
     _draw_silence(column, ob, joint)
 
 
@@ -50,6 +52,17 @@ def edited_settings(ob: bpy.types.Object, joint: TurgorJoint) -> tuple[TurgorJoi
     if not others or ob.override_library is not None:
         return joint, name
     return saved.several, iface_("{name} and {count} more").format(name=name, count=others)
+
+
+def _draw_flesh(column: bpy.types.UILayout, edited: TurgorJoint | TurgorSelectedJoints) -> None:
+    column.prop(edited, "flesh")
+    row = column.row(align=True, heading=iface_("Soft"))
+    own = row.row(align=True)
+    own.active = not edited.use_auto_outside
+    own.prop(edited, "outside", text="")
+    row.prop(edited, "use_auto_outside", toggle=True)
+    column.prop(edited, "spread_twist")
+    column.prop(edited, "crease")
 
 
 def _draw_silence(layout: bpy.types.UILayout, ob: bpy.types.Object, joint: TurgorJoint) -> None:

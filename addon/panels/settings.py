@@ -16,6 +16,7 @@ class TURGOR_PT_settings(VolumeSubpanel, bpy.types.Panel):
         column = self.layout.column()
         column.use_property_split = True
         column.prop(saved, "target_volume")
+        column.prop(saved, "flesh")
         column.prop(saved, "keep_bone_scale")
         column.prop(saved, "fields")
         column.prop(saved, "solver")

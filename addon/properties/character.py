@@ -31,7 +31,11 @@ SOLVERS = (
 
 # Append only: files store the position, and files that store none were shaped by the first.
 FIELDS = (
-    ("PLAIN", "Plain", "Along the gradient of the volume: small hollows and tips are pushed their own way, each its own"),
+    (
+        "PLAIN",
+        "Plain",
+        "Along the gradient of the volume: small hollows and tips are pushed their own way, each its own",
+    ),
     ("EVEN", "Even", "Along smooth normals: fine detail is carried along, and profile curves act as they are drawn"),
 )
 
@@ -55,6 +59,17 @@ class TurgorObject(bpy.types.PropertyGroup):
         update=tag,
         override=OVERRIDABLE,
         options=set(),
+    )
+    # 0 in files of before: they keep their shape.
+    flesh: FloatProperty(
+        name="Flesh",
+        description="How far skin moves as flesh does before its volume is restored: twists turn it along the bone, bends"
+        " shift it to their inside. 0: as the armature leaves it",
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=tag,
+        override=OVERRIDABLE,
     )
     fields: EnumProperty(
         name="Fields",

@@ -50,6 +50,55 @@ class TurgorJoint(ProfileSet, bpy.types.PropertyGroup):
         update=tag,
         override=OVERRIDABLE,
     )
+    flesh: FloatProperty(
+        name="Flesh",
+        description="How far this joint follows the flesh of the character: twists turn the skin along the bone, a bend"
+        " shifts it to its inside",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    use_auto_outside: BoolProperty(
+        name="Auto",
+        description="Bony or soft by how near the joint lies to the skin on the outside of its bends",
+        default=True,
+        update=tag,
+        override=OVERRIDABLE,
+        options=set(),
+    )
+    outside: FloatProperty(
+        name="Soft",
+        description="The outside of a bend: 0 where bone lies under the skin, an elbow, 1 where flesh is soft",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    spread_twist: FloatProperty(
+        name="Spread Twist",
+        description="How far a twist is spread along the whole bone, as in a forearm. 0: it stays where weights blend",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    crease: FloatProperty(
+        name="Crease",
+        description="How far the inside of a bend closes on the plane that halves it, instead of passing through itself",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=tag,
+        override=OVERRIDABLE,
+    )
     mute: BoolProperty(
         name="Mute",
         description="Give nothing back at this joint",

@@ -14,6 +14,7 @@ PRESETS = (
     ("FOLDS", "Folds", "Wrinkles across the parent bone", "NONE", 3),
     ("BELLY", "Belly", "One bulge inside the bend, folds as it closes", "NONE", 4),
     ("BELLY_FOLDED", "Belly Folded", "What Belly turns into: folds inside the bend", "NONE", 6),
+    ("FLESH", "Flesh", "Across the limb, wide along it, to the inside of the bend: what flesh does", "NONE", 7),
     ("CUSTOM", "Custom", "Profile curves of your own, starting from the preset chosen before", "NONE", 5),
 )
 PRESET_NAMES = {number: name for name, *_, number in PRESETS}

@@ -15,7 +15,21 @@ from .joint import TurgorJoint
 from .profiles import ProfileSet
 
 _DECLARED = ProfileSet.__annotations__ | TurgorJoint.__annotations__
-NAMES = ("preset", "strength", "size", "use_auto_shares", "shares", "blend_mode", "blend", "fold_loss")
+NAMES = (
+    "preset",
+    "strength",
+    "size",
+    "flesh",
+    "use_auto_outside",
+    "outside",
+    "spread_twist",
+    "crease",
+    "use_auto_shares",
+    "shares",
+    "blend_mode",
+    "blend",
+    "fold_loss",
+)
 # What declares a setting but not its look.
 _OF_STORAGE = frozenset({"update", "override", "options", "get", "set"})
 

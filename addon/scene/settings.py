@@ -27,6 +27,11 @@ class JointArrays(NamedTuple):
     blend_modes: NDArray[np.int32]  # (J,)
     blends: NDArray[np.float32]  # (J,)
     fold_losses: NDArray[np.float32]  # (J,)
+    flesh: NDArray[np.float32]  # (J,)
+    use_auto_outside: NDArray[np.bool_]  # (J,)
+    outside: NDArray[np.float32]  # (J,)
+    spread_twists: NDArray[np.float32]  # (J,)
+    creases: NDArray[np.float32]  # (J,)
 
 
 # Of the property, in the order of `JointArrays`: its name, how Blender stores it, and the shape of one.
@@ -42,6 +47,11 @@ _FIELDS = (
     ("blend_mode", np.int32, ()),
     ("blend", np.float32, ()),
     ("fold_loss", np.float32, ()),
+    ("flesh", np.float32, ()),
+    ("use_auto_outside", bool, ()),
+    ("outside", np.float32, ()),
+    ("spread_twist", np.float32, ()),
+    ("crease", np.float32, ()),
 )
 
 
@@ -61,6 +71,7 @@ class BodySettings(NamedTuple):
     seconds: dict[int, SecondSet]  # by place of the joint, only of those that blend
     solver: str
     fields: str
+    flesh: float
     keep_bone_scale: bool
     target_volume: float
     repair_folds: bool
@@ -77,7 +88,14 @@ def read_settings(target: bpy.types.Object) -> BodySettings:
             joints.foreach_get(name, array.ravel())
     seconds = {int(place): _read_second(joints[place].second) for place in np.flatnonzero(arrays.blend_modes)}
     return BodySettings(
-        arrays, seconds, saved.solver, saved.fields, saved.keep_bone_scale, saved.target_volume, saved.repair_folds
+        arrays,
+        seconds,
+        saved.solver,
+        saved.fields,
+        saved.flesh,
+        saved.keep_bone_scale,
+        saved.target_volume,
+        saved.repair_folds,
     )
 
 

@@ -175,6 +175,35 @@ TEXTS: dict[str, str] = {
     ),
     "Sequential": "Nacheinander",
     "Joint after joint, parents first": "Gelenk für Gelenk, Eltern zuerst",
+    "Flesh": "Fleisch",
+    "How far skin moves as flesh does before its volume is restored: twists turn it along the bone, bends"
+    " shift it to their inside. 0: as the armature leaves it": (
+        "Wie weit sich die Haut wie Fleisch bewegt, ehe ihr Volumen zurückkommt: Drehungen verteilen sich am Knochen,"
+        " Beugen schieben sie nach innen. 0: wie die Armatur sie lässt"
+    ),
+    "How far this joint follows the flesh of the character: twists turn the skin along the bone, a bend"
+    " shifts it to its inside": (
+        "Wie weit dieses Gelenk dem Fleisch der Figur folgt: Drehungen verteilen sich am Knochen, eine Beuge schiebt"
+        " die Haut nach innen"
+    ),
+    "Across the limb, wide along it, to the inside of the bend: what flesh does": (
+        "Quer zum Glied, weit an ihm entlang, zur Innenseite der Beuge: was Fleisch tut"
+    ),
+    "Bony or soft by how near the joint lies to the skin on the outside of its bends": (
+        "Knochig oder weich, je nachdem, wie nah das Gelenk an der Haut der Außenseite liegt"
+    ),
+    "Soft": "Weich",
+    "The outside of a bend: 0 where bone lies under the skin, an elbow, 1 where flesh is soft": (
+        "Die Außenseite einer Beuge: 0, wo Knochen unter der Haut liegt, ein Ellbogen, 1, wo Fleisch weich ist"
+    ),
+    "Spread Twist": "Drehung verteilen",
+    "How far a twist is spread along the whole bone, as in a forearm. 0: it stays where weights blend": (
+        "Wie weit sich eine Drehung am ganzen Knochen verteilt, wie am Unterarm. 0: nur, wo Gewichte ineinander übergehen"
+    ),
+    "Crease": "Falte",
+    "How far the inside of a bend closes on the plane that halves it, instead of passing through itself": (
+        "Wie weit sich die Innenseite einer Beuge an der halbierenden Ebene schließt, statt durch sich hindurchzugehen"
+    ),
     "Fields": "Felder",
     "Which way the skin moves where volume comes back": "Wohin sich die Haut bewegt, wo Volumen zurückkommt",
     "Plain": "Einfach",

@@ -46,7 +46,7 @@ def test_a_navel_is_carried_along():
     smooth, even, plain = deformed(dented(0.0), "even"), deformed(rig, "even"), deformed(rig, "plain")
     assert even.report.relative_error <= 1e-12
     assert stretch(rig, even) <= 1.1 * stretch(dented(0.0), smooth)
-    assert stretch(rig, plain) > 1.2 * stretch(rig, even)
+    assert stretch(rig, plain) > 1.1 * stretch(rig, even)
 
 
 @given(seeds, modes)

@@ -79,7 +79,9 @@ def test_scale_of_the_whole_rig_is_kept(seed: int, mode: Mode):
 @given(seeds, modes, solvers, fields_kinds)
 def test_two_hundred_bones(seed: int, mode: Mode, solver, fields):
     rig = chain(tube(rings=601, sides=8, length=40.0), 200, length=40.0)
-    assert_exact(rig, rig.body(mode, solver=solver, fields=fields).deform(rig.random_pose(np.random.default_rng(seed), 0.3)))
+    assert_exact(
+        rig, rig.body(mode, solver=solver, fields=fields).deform(rig.random_pose(np.random.default_rng(seed), 0.3))
+    )
 
 
 @given(seeds, modes)

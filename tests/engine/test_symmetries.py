@@ -52,7 +52,9 @@ def test_reversed_faces_are_corrected_alike(seed: int, mode: Mode, solver, field
     rig = limb()
     pose = rig.random_pose(np.random.default_rng(seed), 1.0)
     mirror = rig.with_surface(rig.surface.reversed())
-    frame, reversed_frame = (one.body(mode, muscles(rig), solver=solver, fields=fields).deform(pose) for one in (rig, mirror))
+    frame, reversed_frame = (
+        one.body(mode, muscles(rig), solver=solver, fields=fields).deform(pose) for one in (rig, mirror)
+    )
     np.testing.assert_allclose(reversed_frame.positions, frame.positions, atol=FIELD_DIGITS)
     np.testing.assert_allclose(reversed_frame.report.target_volumes, -frame.report.target_volumes, rtol=1e-14)
 

@@ -25,13 +25,34 @@ profiles = st.builds(
 )
 positive = st.floats(0.0, 1e6)
 presets = st.builds(
-    joint_preset.JointPreset, positive, positive, st.sampled_from(["NONE", "LOSS"]), unit, positive, profiles, profiles
+    joint_preset.JointPreset,
+    positive,
+    positive,
+    st.sampled_from(["NONE", "LOSS"]),
+    unit,
+    positive,
+    unit,
+    st.booleans(),
+    unit,
+    unit,
+    unit,
+    profiles,
+    profiles,
 )
 
 
 @given(presets)
 def test_what_is_written_reads_back_equal(preset):
     assert joint_preset.from_text(joint_preset.to_text(preset)) == preset
+
+
+@given(presets)
+def test_presets_of_before_follow_flesh_as_new_joints_do(preset):
+    fields = joint_preset.value_of(joint_preset.to_text(preset))
+    for name in ("flesh", "use_auto_outside", "outside", "spread_twist", "crease"):
+        del fields[name]
+    expected = preset._replace(flesh=1.0, use_auto_outside=True, outside=1.0, spread_twist=1.0, crease=1.0)
+    assert joint_preset.from_text(repr(fields)) == expected
 
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
@@ -53,6 +74,11 @@ GOOD = joint_preset.to_text(
         "NONE",
         0.0,
         0.1,
+        1.0,
+        True,
+        1.0,
+        1.0,
+        1.0,
         joint_preset.Profiles("MUSCLE", "MUSCLE", True, (0.0, 0.0, 1.0), ()),
         joint_preset.Profiles("MUSCLE", "MUSCLE", True, (0.0, 0.0, 1.0), ()),
     )

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from addon.logic.joints import JointSettings, as_written, effective_strengths, engine_joint
+from addon.logic.joints import FleshSettings, JointSettings, as_written, effective_strengths, engine_joint
 from addon.logic.profiles import (
     AUTOMATIC,
     DIRECTED_SHARES,
@@ -20,7 +20,7 @@ from addon.logic.profiles import (
     tables,
 )
 
-PRESETS = ("ISOTROPIC", "RUBBER", "MUSCLE", "FOLDS", "BELLY", "BELLY_FOLDED")
+PRESETS = ("ISOTROPIC", "RUBBER", "MUSCLE", "FOLDS", "BELLY", "BELLY_FOLDED", "FLESH")
 unit = st.floats(0.0, 1.0)
 
 
@@ -67,7 +67,10 @@ def test_shares_of_the_engine():
 
 
 def test_a_preset_alone_has_its_own_shape():
-    joint = engine_joint(JointSettings(3, 0.5, 2.0, _set("RUBBER"), None, None, 0.1))
+    joint = engine_joint(
+        JointSettings(3, 0.5, 2.0, _set("RUBBER"), None, None, 0.1, FleshSettings(0.5, None, 0.25, 1.0))
+    )
+    assert (joint.flesh, joint.outside, joint.spread_twist, joint.crease) == (0.5, None, 0.25, 1.0)
     assert (joint.bone, joint.strength, joint.size) == (3, 0.5, 2.0)
     assert joint.shares == DIRECTED_SHARES["RUBBER"]
 
