@@ -14,7 +14,6 @@ from ..properties.joint import TurgorJoint
 from ..properties.profiles import ProfileSet
 from ..scene import curves
 
-
 _FLESH = ("flesh", "use_auto_outside", "outside", "spread_twist", "crease")
 
 

@@ -63,8 +63,8 @@ class TurgorObject(bpy.types.PropertyGroup):
     # 0 in files of before: they keep their shape.
     flesh: FloatProperty(
         name="Flesh",
-        description="How far skin moves as flesh does before its volume is restored: twists turn it along the bone, bends"
-        " shift it to their inside. 0: as the armature leaves it",
+        description="How far skin moves as flesh does before its volume is restored: twists turn it along the bone,"
+        " bends shift it to their inside. 0: as the armature leaves it",
         min=0.0,
         max=1.0,
         subtype="FACTOR",

@@ -176,8 +176,8 @@ TEXTS: dict[str, str] = {
     "Sequential": "Nacheinander",
     "Joint after joint, parents first": "Gelenk für Gelenk, Eltern zuerst",
     "Flesh": "Fleisch",
-    "How far skin moves as flesh does before its volume is restored: twists turn it along the bone, bends"
-    " shift it to their inside. 0: as the armature leaves it": (
+    "How far skin moves as flesh does before its volume is restored: twists turn it along the bone,"
+    " bends shift it to their inside. 0: as the armature leaves it": (
         "Wie weit sich die Haut wie Fleisch bewegt, ehe ihr Volumen zurückkommt: Drehungen verteilen sich am Knochen,"
         " Beugen schieben sie nach innen. 0: wie die Armatur sie lässt"
     ),
@@ -198,10 +198,10 @@ TEXTS: dict[str, str] = {
     ),
     "Spread Twist": "Drehung verteilen",
     "How far a twist is spread along the whole bone, as in a forearm. 0: it stays where weights blend": (
-        "Wie weit sich eine Drehung am ganzen Knochen verteilt, wie am Unterarm. 0: nur, wo Gewichte ineinander übergehen"
+        "Wie weit sich eine Drehung am ganzen Knochen verteilt, wie am Unterarm. 0: nur, wo Gewichte übergehen"
     ),
     "Crease": "Falte",
-    "How far the inside of a bend closes on the plane that halves it, instead of passing through itself": (
+    "How far the inside of a bend closes on the plane that halves it instead of passing through itself": (
         "Wie weit sich die Innenseite einer Beuge an der halbierenden Ebene schließt, statt durch sich hindurchzugehen"
     ),
     "Fields": "Felder",
@@ -318,7 +318,6 @@ TEXTS: dict[str, str] = {
     "The body lies along its Z axis and moves onto the curve": (
         "Der Körper liegt entlang seiner Z-Achse und wandert auf die Kurve"
     ),
-    "Flesh": "Fleisch",
     "Where flesh goes that the bend displaces": "Wohin das Fleisch geht, das die Beugung verdrängt",
     "Radial": "Radial",
     "Flesh gives way evenly to all sides": "Fleisch weicht gleichmäßig nach allen Seiten aus",
