@@ -1,8 +1,7 @@
 //! What another deformer adds to the skin before its volume is looked at.
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
-use super::buffers::Posed;
 use crate::binding::Binding;
 use crate::error::{Error, Result, check_rows};
 use crate::numeric::lanes::{self, V4};
@@ -45,21 +44,19 @@ impl Added {
         let [x, y, z] = self.of_vertex[vertex].map(f64::from);
         [x, y, z, 0.0]
     }
-}
 
-impl Posed {
     /// Takes offsets in object space, and returns their mean in armature space.
-    pub(super) fn set_added(&mut self, binding: &Binding, offsets: Option<&[[f32; 3]]>) -> Result<DVec3> {
-        self.added.of_vertex.clear();
+    pub fn set(&mut self, binding: &Binding, offsets: Option<&[[f32; 3]]>, object: &DAffine3) -> Result<DVec3> {
+        self.of_vertex.clear();
         let Some(offsets) = offsets else { return Ok(DVec3::ZERO) };
         let bound = binding.slot_of_vertex.len();
         if offsets.len() != bound {
             return Err(Error::Length { what: "added_offsets", found: offsets.len(), needed: bound });
         }
         check_rows("added_offsets", offsets)?;
-        let to_armature = self.object.matrix3.inverse().as_mat3();
-        self.added.of_vertex.extend(offsets.iter().map(|&offset| (to_armature * glam::Vec3::from(offset)).to_array()));
-        let sum: DVec3 = (0..bound).map(|vertex| self.added.of_vertex(vertex)).sum();
+        let to_armature = object.matrix3.inverse().as_mat3();
+        self.of_vertex.extend(offsets.iter().map(|&offset| (to_armature * glam::Vec3::from(offset)).to_array()));
+        let sum: DVec3 = (0..bound).map(|vertex| self.of_vertex(vertex)).sum();
         Ok(sum / bound.max(1) as f64)
     }
 }

@@ -1,7 +1,8 @@
 //! Volume that added offsets take goes back where it was lost: to the joint whose vicinity that is, the rest by the skin itself
 //! [MATH §9].
 
-use super::buffers::{Losses, Posed, Skinned, Targets};
+use super::added::Added;
+use super::places::Places;
 use super::{Bound, Pose, in_single_precision};
 use crate::binding::Binding;
 use crate::cores::following::Room;
@@ -42,25 +43,21 @@ impl Local {
     pub fn memory_bytes(&self) -> usize {
         self.room.memory_bytes() + size_of_val(&*self.volumes) + size_of_val(&*self.bounds) + size_of_val(&*self.of_joints)
     }
-}
 
-impl Targets {
-    /// Finds where added offsets took volume; adds to what joints give back what is theirs of it.
-    pub(super) fn share_added_losses(&mut self, bound: Bound, pose: &Pose, posed: &Posed, skinned: &Skinned, losses: &Losses) {
+    /// Finds where added offsets took volume: `missing` per component. True where they move anything.
+    pub fn find(&mut self, bound: Bound, pose: &Pose, places: &Places, added: &Added, missing: impl FnOnce() -> Vec<f64>) -> bool {
         let Bound { binding, supports, settings } = bound;
-        let (places, added) = (&skinned.places, &posed.added);
-        self.local.is_used = added.moves_anything();
-        if !self.local.is_used {
-            return;
+        self.is_used = added.moves_anything();
+        if !self.is_used {
+            return false;
         }
         let (core, patches) = (binding.core(), &binding.patches);
-        let missing = self.missing_by_component(binding, losses);
-        let Local { volumes, bounds, room, shown, skinned, lengthening, densities, of_joints, .. } = &mut self.local;
+        let Local { volumes, bounds, room, shown, skinned, lengthening, densities, of_joints, .. } = self;
         let bare = |slot: usize| lanes::sub(places.at(slot), added.of_slot(binding, slot));
         core.begin(patches, |slot| added.of_slot(binding, slot) != lanes::ZERO, room);
         core.volumes(patches, bare, room, skinned, lengthening);
         core.volumes(patches, |slot| places.at(slot), room, shown, lengthening);
-        core.densities(room, skinned, shown, missing, densities);
+        core.densities(room, skinned, shown, missing(), densities);
         volumes.resize(patches.slot_count(), 0.0);
         bounds.resize(patches.slot_count(), 0.0);
         of_joints.resize(supports.jobs_of_patch.values().len(), 0.0);
@@ -124,18 +121,12 @@ impl Targets {
                 }
             },
         );
-        for (&job, volume) in supports.jobs_of_patch.values().iter().zip(&self.local.of_joints) {
-            self.jobs[job as usize].volume += volume;
-        }
+        true
     }
 
-    /// Per component, how much less there is with what is added than as skinned.
-    fn missing_by_component(&self, binding: &Binding, losses: &Losses) -> Vec<f64> {
-        let mut missing: Vec<f64> = self.components.iter().map(|state| state.rest - state.skinned).collect();
-        for (job, change) in binding.plan.jobs.iter().zip(&losses.changes) {
-            missing[job.component as usize] += change.intent - change.loss;
-        }
-        missing
+    /// What each job is to give back of it, for each support of each patch.
+    pub fn of_joints(&self) -> &[f64] {
+        &self.of_joints
     }
 }
 
