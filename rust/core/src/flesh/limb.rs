@@ -102,7 +102,7 @@ impl Limb {
             2.0 * section.iter().map(|([x, y], part)| part * (x * cosine + y * sine).max(0.0).powi(2)).sum::<f64>().sqrt()
         };
         let angles = (0..DIRECTIONS).map(|step| step as f64 * (TAU / DIRECTIONS as f64));
-        let reaches: Vec<f64> = angles.map(|angle| angle.sin_cos()).map(|(sine, cosine)| reach((cosine, sine))).collect();
+        let reaches: Vec<f64> = angles.map(f64::sin_cos).map(|(sine, cosine)| reach((cosine, sine))).collect();
         let reach_max = reaches.iter().copied().fold(0.0, f64::max);
         let is_sound = radius > 0.0 && radius.recip().is_finite();
         let slender = length.map_or(0.0, |length| smoothstep((length / radius - SLENDER) / SLENDER));
