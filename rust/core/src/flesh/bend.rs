@@ -12,15 +12,11 @@ use crate::numeric::block_rows::Block;
 /// How far along the limb, in radii: exp(−(x/width)²), to 4 %, as (1 − (x/width)²/8)⁸.
 const WIDTH: f32 = 0.9;
 const ENDS: f32 = 8.0;
-/// Where the law ends along the limb, in radii.
-pub(super) const REACH: f64 = 2.55;
 /// Across the limb it holds up to the first of these, in reaches of the section, and ends so much farther out.
 const RIM: f32 = 1.3;
 const FADE: f32 = 0.7;
 /// What sticks out to the inside or outside (breasts) is the joint's own sooner than what does sideways (the other thigh).
 const FRONT: f32 = 0.6;
-/// Farthest that anything is across, in reaches of the section.
-pub(super) const NEAR_MAX: f64 = 2.0 / 0.6;
 /// Growth across ends here, in radii.
 const WIDE_MAX: f32 = 1.5;
 

@@ -16,6 +16,9 @@ const LEADS: f64 = 0.6;
 /// A bone this many times as long as thick begins to take a twist along itself, one longer by as much takes all of it.
 const SLENDER: f64 = 1.0;
 
+/// Where bends end along the limb, in radii, and across it, in reaches of the section: as `bend` has them.
+pub(super) const REACH: f64 = 2.55;
+pub(super) const NEAR_MAX: f64 = 2.0 / 0.6;
 /// Sides of a section, evenly around: between two of them its reach is told to a thousandth.
 const DIRECTIONS: usize = 64;
 
