@@ -1,6 +1,6 @@
 """python -m demo.elastic FOLDER: how near skins come to elastic flesh, and what the law costs.
 
-FOLDER holds the cases, one .npz each, and the `compare.py` that scores them. The engine is what Python finds as `turgor`.
+FOLDER holds the cases, one .npz each, and the `compare.py` that scores them. The engine is the `turgor` on the path.
 """
 
 from __future__ import annotations
@@ -14,6 +14,16 @@ from pathlib import Path
 os.environ.setdefault("RAYON_NUM_THREADS", "1")
 
 from . import cost, skins
+
+# Columns: the score, and how many digits of it.
+FIGURES = {
+    "surface": ("surface", 3),
+    "normal": ("normal", 1),
+    "outline": ("silhouette", 3),
+    "stretch": ("stretch", 2),
+    "slabs %": ("slab_rms", 1),
+    "crossings": ("crossings", 0),
+}
 
 
 def _comparison(folder: Path):
@@ -35,14 +45,14 @@ def main() -> None:
     options.add_argument("--turns", type=int, default=60, help="frames without and with the law in turn; 0: no costs")
     given = options.parse_args()
     compare = _comparison(given.folder)
-    print("%-40s %8s %8s %8s %8s %8s %9s" % ("", "surface", "normal", "outline", "stretch", "slabs %", "crossings"))
+    print(f"{'':40}" + "".join(f"{name:>10}" for name in FIGURES), flush=True)
     for case in given.cases or sorted(path.stem for path in given.folder.glob("*.npz")):
         data = compare.load(case, str(given.folder))
         for weights in given.weights:
             for name in given.skins:
                 found = compare.score(data, skins.skinned(data, weights, name))
-                figures = [found[key] for key in ("surface", "normal", "silhouette", "stretch", "slab_rms", "crossings")]
-                print("%-40s %8.3f %8.1f %8.3f %8.2f %8.1f %9d" % (f"{case}, {weights}: {name}", *figures), flush=True)
+                figures = "".join(f"{found[key]:10.{digits}f}" for key, digits in FIGURES.values())
+                print(f"{f'{case}, {weights}: {name}':40}{figures}", flush=True)
     if given.turns:
         cost.run(given.turns)
 

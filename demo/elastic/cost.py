@@ -10,8 +10,17 @@ from numpy.typing import NDArray
 
 # A tube along x, four units long, about as round and fine as a limb of a character.
 LENGTH, RADIUS = 4.0, 0.25
-BODIES = {"14,000 vertices, 8 bones": (350, 40, 8), "100,000 vertices, 8 bones": (1000, 100, 8), "14,000 vertices, 24 bones": (350, 40, 24)}
-POSES = {"all bent by 40°": (0.7, 0.0), "all twisted by 40°": (0.0, 0.7), "bent and twisted": (0.5, 0.5), "one bent by 90°": None}
+BODIES = {
+    "14,000 vertices, 8 bones": (350, 40, 8),
+    "100,000 vertices, 8 bones": (1000, 100, 8),
+    "14,000 vertices, 24 bones": (350, 40, 24),
+}
+POSES = {
+    "all bent by 40°": (0.7, 0.0),
+    "all twisted by 40°": (0.0, 0.7),
+    "bent and twisted": (0.5, 0.5),
+    "one bent by 90°": None,
+}
 
 
 def _turn(axis: int, angle: float) -> NDArray[np.float64]:
@@ -62,7 +71,7 @@ def _pose(rest: NDArray[np.float64], turn: tuple[float, float] | None) -> NDArra
 
 def run(turns: int) -> None:
     """Prints milliseconds per frame, the least of so many, and their ratio."""
-    print("\n%-28s %-22s %9s %9s %6s" % ("one thread, ms per frame", "pose", "without", "with", "ratio"))
+    print(f"\n{'one thread, ms per frame':28}{'pose':22}{'without':>9}{'with':>9}{'ratio':>7}")
     for name, (rings, sides, bones) in BODIES.items():
         (plain, rest), (law, _) = (_body(rings, sides, bones, amount) for amount in (0.0, 1.0))
         offsets = np.empty((rings * sides, 3), np.float32)
@@ -75,4 +84,5 @@ def run(turns: int) -> None:
                     body.deform_into(offsets, pose)
                     of_body.append(thread_time() - start)
             without, with_law = (1e3 * min(of_body) for of_body in times)
-            print("%-28s %-22s %9.3f %9.3f %6.2f" % (name, pose_name, without, with_law, with_law / without), flush=True)
+            figures = f"{without:9.3f}{with_law:9.3f}{with_law / without:7.2f}"
+            print(f"{name:28}{pose_name:22}{figures}", flush=True)

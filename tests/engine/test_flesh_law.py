@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -64,7 +65,8 @@ def test_volume_is_exact(seed: int, mode: Mode, preset: turgor.presets.PresetNam
     pose = rig.random_pose(rng, 2.0, scale=0.1, shift=0.05)
     amounts = rng.uniform(0.0, 1.0, (rig.bone_count, 4))
     joints = [
-        turgor.presets.joint(preset, bone, flesh=a, outside=b, spread_twist=c, crease=d) for bone, (a, b, c, d) in enumerate(amounts)
+        turgor.presets.joint(preset, bone, flesh=a, outside=b, spread_twist=c, crease=d)
+        for bone, (a, b, c, d) in enumerate(amounts)
     ]
     frame = rig.body(mode, joints, solver=solver).deform(pose)
     found = rig.surface.mesh().component_volumes(frame.positions)
@@ -96,10 +98,11 @@ def test_rest_is_rest(seed: int, mode: Mode):
 @pytest.mark.parametrize("bones", [2, 3])
 def test_a_twist_keeps_every_section(mode: Mode, spread: float, bones: int):
     rig = limb(bones, 49, 16)
-    body = rig.body(mode, following(rig, spread_twist=spread))
+    # Without the correction, which gives back what faces that are sheared lose between the sections.
+    body = rig.body(mode, following(rig, spread_twist=spread, strength=0.0))
     for twist in (20.0, 60.0, 120.0, 150.0):
         found = body.deform(turned(rig, 0.0, twist)).positions
-        np.testing.assert_allclose(radii(rig, found), radii(rig, rig.surface.positions), atol=2e-3 * RADIUS)
+        np.testing.assert_allclose(radii(rig, found), radii(rig, rig.surface.positions), atol=DIGITS)
 
 
 def test_a_spread_twist_is_straight_along_the_bone():
@@ -120,7 +123,9 @@ def test_the_law_moves_with_the_pose(seed: int, mode: Mode):
     rig = limb()
     body = rig.body(mode, following(rig))
     pose, move = rig.random_pose(rng, 1.0), random_rigid_motion(rng)
-    np.testing.assert_allclose(body.deform(move @ pose).positions, applied(move, body.deform(pose).positions), atol=3 * DIGITS)
+    np.testing.assert_allclose(
+        body.deform(move @ pose).positions, applied(move, body.deform(pose).positions), atol=3 * DIGITS
+    )
 
 
 @given(seeds, modes)
@@ -133,7 +138,9 @@ def test_place_and_size_do_not_matter(seed: int, mode: Mode):
     pose = rig.random_pose(rng, 1.0)
     body = placed.body(mode, following(rig), object_from_armature=place)
     expected = applied(place, rig.body(mode, following(rig)).deform(pose).positions)
-    np.testing.assert_allclose(body.deform(pose, object_from_armature=place).positions, expected, atol=3 * DIGITS * size)
+    np.testing.assert_allclose(
+        body.deform(pose, object_from_armature=place).positions, expected, atol=3 * DIGITS * size
+    )
 
 
 @given(seeds)
@@ -187,7 +194,7 @@ def test_nothing_jumps(sweep: str, mode: Mode):
     largest = []
     for steps in (600, 1200):
         frames = [added(rig, body, turned(rig, *SWEEPS[sweep](t))) for t in np.linspace(0.0, 1.0, steps + 1)]
-        largest.append(max(np.abs(b - a).max() for a, b in zip(frames, frames[1:], strict=False)))
+        largest.append(max(np.abs(b - a).max() for a, b in pairwise(frames)))
     assert largest[1] <= 0.62 * largest[0] + 2e-6, largest
 
 
@@ -233,7 +240,10 @@ def test_fleshed_bones_are_left_alone(seed: int):
     pose = rig.random_pose(rng, 1.0)
     nothing = np.zeros(rig.surface.positions.shape, dtype=np.float32)
     all_fleshed = [True] * rig.bone_count
-    frames = [rig.body(joints=following(rig, flesh=amount)).deform(pose, added_offsets=nothing, fleshed=all_fleshed) for amount in (0.0, 1.0)]
+    frames = [
+        rig.body(joints=following(rig, flesh=amount)).deform(pose, added_offsets=nothing, fleshed=all_fleshed)
+        for amount in (0.0, 1.0)
+    ]
     np.testing.assert_array_equal(frames[0].offsets, frames[1].offsets)
 
 
@@ -261,7 +271,7 @@ def test_settings_out_of_range_are_refused(setting: str, value: float):
 def test_bones_that_are_flattened_or_mirrored_follow_no_law(seed: int):
     rng = np.random.default_rng(seed)
     rig = elbow()
-    scale = np.diag([1.0, 1.0, float(rng.choice([-1.0, 0.0, 1e-9])), 1.0])
+    scale = np.diag([1.0, 1.0, float(rng.choice([-1.0, 1e-9, 1e-3])), 1.0])
     pose = rig.pose([np.eye(4), translation(rng.uniform(-0.1, 0.1, 3)) @ rotation([0.0, 0.0, 1.0], 1.0) @ scale])
     frames = [rig.body(joints=following(rig, flesh=amount)).deform(pose) for amount in (0.0, 1.0)]
     np.testing.assert_allclose(frames[0].positions, frames[1].positions, atol=DIGITS)

@@ -166,8 +166,8 @@ class Joint:
     outside: 1: soft flesh on the outside of a bend; 0: bone under the skin; None: by how near the joint lies to it.
     spread_twist: 1: twists are spread straight along the bone as far as the next joint; 0: they lie where weights
         blend. A bone that leads to no other joint, or is no longer than thick, always does the latter.
-    crease: 1: the inside of a bend closes on the plane that halves it; 0: it is left as it comes. Only where the bone above runs on
-        into this one.
+    crease: 1: the inside of a bend closes on the plane that halves it; 0: it is left as it comes. Only where the bone
+        above runs on into this one.
     All four are 0 to 1.
     """
 
@@ -487,7 +487,10 @@ class Report:
         """
     @property
     def joint_losses(self) -> NDArray[np.float64]:
-        """(J,) volume each joint's rotation took, all components, positive = lost: what `flesh_volumes` lack of the targets."""
+        """(J,) volume each joint's rotation took, all components, positive = lost.
+
+        They sum to what `flesh_volumes` lack of the targets.
+        """
     @property
     def joint_regained(self) -> NDArray[np.float64]:
         """(J,) volume given back by each joint's own field, to first order."""

@@ -20,9 +20,9 @@ BELL_WIDTH = 0.25
 MUSCLE_CENTRE = 0.35
 FOLD_FREQUENCY = 3.0
 BELLY_WIDTHS = (0.35, 0.3, 0.3)
-# A joint is about four times as long as its limb is thick: three radii along it, four fifths across, half a radius inside.
+# A joint is four to five radii of its limb long: three radii along it, most of it nine tenths of one inside.
 FLESH_WIDTHS = (0.75, 0.2)
-FLESH_CENTRE = 0.125
+FLESH_CENTRE = 0.2
 
 _X: Profile = np.linspace(-1.0, 1.0, SAMPLE_COUNT, dtype=np.float64)
 
@@ -51,7 +51,7 @@ DEFAULT_SHARES: dict[PresetName, tuple[float, float, float] | Literal["auto"]] =
     "muscle": (0.1, 0.1, 0.8),
     "folds": (0.0, 0.5, 0.5),
     "belly": (0.1, 0.1, 0.8),
-    "flesh": (0.0, 0.4, 0.6),
+    "flesh": (0.0, 0.7, 0.3),
 }
 
 

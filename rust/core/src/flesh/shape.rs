@@ -216,7 +216,7 @@ impl Frame<'_> {
     #[inline(always)]
     fn patch<V: Simd, P, S, F>(
         &self,
-        _simd: V,
+        simd: V,
         index: usize,
         slots: Range<usize>,
         points: &Points<P, S, F>,
@@ -269,14 +269,14 @@ impl Frame<'_> {
                 if let Some(bent) = &of_joint(row.joint).bent {
                     for block in near.row(row.row as usize) {
                         let number = block.number as usize;
-                        shifts[number].add(bent, &bent.places(block, &places[number]));
+                        shifts[number].add(bent, &bent.places(simd, block, &places[number]));
                     }
                 }
             }
             for (added, shifts) in added.iter_mut().zip(&shifts) {
                 add_to(added, &shifts.total());
             }
-            self.crease(index, slots.clone(), points, &places, &mut added, free);
+            self.crease(simd, index, slots.clone(), points, &places, &mut added, free);
         }
         for (at, slot) in slots.enumerate() {
             let factor = points.factor.as_ref().map_or(1.0, |factor| factor(slot) as f32);
@@ -290,8 +290,10 @@ impl Frame<'_> {
 
     /// Closes creases, each by where skin stands without any.
     #[inline(always)]
-    fn crease<P, S, F>(
+    #[allow(clippy::too_many_arguments, reason = "rows of one patch")]
+    fn crease<V: Simd, P, S, F>(
         &self,
+        simd: V,
         index: usize,
         slots: Range<usize>,
         points: &Points<P, S, F>,
@@ -311,7 +313,7 @@ impl Frame<'_> {
             let InFrame { bent: Some(bent), crease: Some(crease), .. } = &self.joints[usize::from(row.joint)] else { continue };
             for block in self.anatomy.near.row(row.row as usize) {
                 let number = block.number as usize;
-                let rest = bent.places(block, &places[number]);
+                let rest = bent.places(simd, block, &places[number]);
                 let parts = crease.parts(&rest);
                 if parts.iter().all(|part| *part <= 0.0) {
                     continue;

@@ -66,8 +66,11 @@ impl Turn {
     /// `above` and `own`: what the bones do, pose · rest⁻¹; `kept`: part of a cut chain's joint that is its own.
     pub fn new(limb: &Limb, settings: &Flesh, above: &DAffine3, own: &DAffine3, kept: f64) -> Self {
         let amount = settings.amount * kept;
-        if amount <= 0.0 || above == own {
+        if amount <= 0.0 {
             return Self::default();
+        }
+        if above == own {
+            return Self { amount, local: DAffine3::IDENTITY, ..Self::default() };
         }
         let soundness = |m: &DMat3| {
             let longest = m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length());
@@ -75,7 +78,7 @@ impl Turn {
             if volume.is_nan() { 0.0 } else { smoothstep((volume - FLATTENED[0]) / (FLATTENED[1] - FLATTENED[0])) }
         };
         let sound = soundness(&above.matrix3) * soundness(&own.matrix3);
-        if !(sound > 0.0) {
+        if sound <= 0.0 {
             return Self::default();
         }
         let local = above.inverse() * *own;
