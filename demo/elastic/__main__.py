@@ -1,6 +1,6 @@
 """python -m demo.elastic FOLDER: how near skins come to elastic flesh, and what the law costs.
 
-FOLDER holds the cases, one .npz each, and the `compare.py` that scores them. The engine is the `turgor` that Python finds.
+FOLDER holds the cases, one .npz each, and the `compare.py` that scores them. The engine is the `turgor` on the path.
 """
 
 from __future__ import annotations

@@ -14,9 +14,10 @@ def main() -> None:
     parser.add_argument("--turns", type=int, default=16, help="without and with Turgor so many times in turn")
     options = parser.parse_args()
     with program.own_blender(options.extension) as resources:
-        from . import bakes, race
+        from . import bakes, race, stacks
 
         race.run(options.turns)
+        stacks.run(options.turns)
         bakes.run(max(options.turns // BAKES_PART, 1), resources)
 
 

@@ -219,7 +219,7 @@ def test_a_mesh_moved_along_its_bendy_bones_is_read_as_evaluated(runtime, route)
 
 
 def test_a_mesh_that_slides_along_its_bendy_bones_is_read_as_evaluated(runtime):
-    """Keyed: whatever frame it is bound at, in renders too. Below one parent, or parented to its armature, it stands still."""
+    """Keyed: whatever frame it is bound at, in renders too. Parented to its armature it stands still."""
     ob, armature = _bendy_tube()
     _random_pose(armature, np.random.default_rng(4))
     armature.keyframe_insert("location", frame=1)
@@ -239,7 +239,7 @@ def test_a_mesh_that_slides_along_its_bendy_bones_is_read_as_evaluated(runtime):
 
 
 def test_ease_that_drivers_move_splits_scale_as_blender_does(runtime):
-    """By dual quaternions scale is split off along axes at rest, which such ease turns where the rest curve is no line."""
+    """By dual quaternions scale is split off along axes at rest, which ease turns where the rest curve is no line."""
     ob, armature = _bendy_tube()
     ob.modifiers["Armature"].use_deform_preserve_volume = True
     for bone in armature.data.bones:

@@ -16,6 +16,9 @@ TIMES = re.compile(
 )
 
 
+STACKS = re.compile(r"^(.{28}) +([0-9,]+) +" + r" +".join([r"([0-9.]+)"] * 6) + "$", re.MULTILINE)
+
+
 @pytest.fixture(scope="module")
 def printed() -> str:
     (archive,) = (REPOSITORY / "dist").glob("turgor-*.zip")
@@ -40,3 +43,12 @@ def test_ratios_are_those_of_the_times(printed: str):
         assert float(engine_ratio) == pytest.approx(float(engine) / float(armature), rel=0.02)
         assert float(live_ratio) == pytest.approx(float(live) / float(frame), rel=0.02)
         assert 0.0 < float(engine) < float(live)
+
+
+def test_times_stacks_that_blender_evaluates(printed: str):
+    rows = STACKS.findall(printed[printed.index("Stacks that Blender evaluates") :])
+    assert len(rows) == len({(name, count) for name, count, *_ in rows}) == 6
+    for *_, alone, uncorrected, ratio, frame, frame_ratio, first in rows:
+        assert float(ratio) == pytest.approx(float(uncorrected) / float(alone), rel=0.02)
+        assert float(frame_ratio) == pytest.approx(float(frame) / float(alone), rel=0.02)
+        assert float(first) > 0.0

@@ -389,7 +389,8 @@ class VolumeSkin:
         """Figures of many poses, many at once: the same bits as `deform` gives one by one.
 
         pose_matrices: (F, B, 4, 4). fleshed: as in `deform`, the same for all frames. The others as in `deform`, the
-        same for all frames or with a first axis of F: rest_positions, added_offsets, posed_positions (N, 3) or (F, N, 3).
+        same for all frames or with a first axis of F: rest_positions, added_offsets and posed_positions (N, 3) or
+        (F, N, 3).
         Raises TurgorError as `deform`, for the first frame that is refused. Releases the GIL.
         """
     def deform_many(

@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{DAffine3, DVec3};
 
-use super::bend::{NEAR_MAX, REACH};
-use super::limb::Limb;
+use super::limb::{Limb, NEAR_MAX, REACH};
 use crate::numeric::block_rows::{Block, LANES};
 use crate::numeric::csr::Csr;
 use crate::skinning::joint_tree::JointTree;

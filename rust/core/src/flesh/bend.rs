@@ -1,7 +1,10 @@
 //! Near a bend skin shifts to its inside, and grows across.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
+
 use super::anatomy::NearBlock;
-use super::lanes::{Points8, add, at, dot, each, each3, scale, single, smooth, sub, turned};
+use super::lanes::{Points8, add, at, each, each3, scale, single, turned};
 use super::limb::Limb;
 use super::turn::Turn;
 use crate::numeric::block_rows::Block;
@@ -9,15 +12,11 @@ use crate::numeric::block_rows::Block;
 /// How far along the limb, in radii: exp(−(x/width)²), to 4 %, as (1 − (x/width)²/8)⁸.
 const WIDTH: f32 = 0.9;
 const ENDS: f32 = 8.0;
-/// Where the law ends along the limb, in radii.
-pub(super) const REACH: f64 = 2.55;
 /// Across the limb it holds up to the first of these, in reaches of the section, and ends so much farther out.
 const RIM: f32 = 1.3;
 const FADE: f32 = 0.7;
 /// What sticks out to the inside or outside (breasts) is the joint's own sooner than what does sideways (the other thigh).
 const FRONT: f32 = 0.6;
-/// Farthest that anything is across, in reaches of the section.
-pub(super) const NEAR_MAX: f64 = 2.0 / 0.6;
 /// Growth across ends here, in radii.
 const WIDE_MAX: f32 = 1.5;
 
@@ -83,27 +82,34 @@ impl Bent {
 
     /// Places turned by their share of the twist first: in the bone above they meet the bend so.
     #[inline(always)]
-    pub fn places(&self, near: &NearBlock, points: &Points8) -> InBend {
-        let mut result = InBend { along: [0.0; 8], inside: [0.0; 8], across: [0.0; 8], mask: [0.0; 8] };
-        let [inner, outer, left, right] = self.sides;
-        for lane in 0..8 {
-            let mut from_head = sub(at(points, lane), self.head);
-            if self.twist != 0.0 {
-                let (blended, along) = (near.shares[0][lane], near.shares[1][lane]);
-                let by = turned(self.axis_of_twist, from_head, (blended + (along - blended) * self.spread) * self.twist);
-                from_head = add(from_head, by);
+    pub fn places<S: Simd>(&self, simd: S, near: &NearBlock, points: &Points8) -> InBend {
+        let mut from_head = *points;
+        for (row, head) in from_head.iter_mut().zip(self.head) {
+            for place in row {
+                *place -= head;
             }
-            let from_middle = add(from_head, self.to_head);
-            let (height, across) = (dot(from_middle, self.inside), dot(from_middle, self.axis));
-            let inside = height.max(0.0) * inner + height.min(0.0) * outer;
-            let sideways = across.max(0.0) * left + across.min(0.0) * right;
-            let rim = (FRONT * FRONT * inside * inside + sideways * sideways).sqrt();
-            result.along[lane] = dot(from_head, self.along);
-            result.inside[lane] = inside;
-            result.across[lane] = across * self.per_radius;
-            result.mask[lane] = (1.0 - smooth((rim - RIM) / FADE)) * near.kin[lane];
         }
-        result
+        if self.twist != 0.0 {
+            let shares = &near.shares;
+            from_head = each3(|lane| {
+                let v = at(&from_head, lane);
+                let share = shares[0][lane] + (shares[1][lane] - shares[0][lane]) * self.spread;
+                add(v, turned(self.axis_of_twist, v, share * self.twist))
+            });
+        }
+        let number = |value: f32| f32x8::splat(simd, value);
+        let [x, y, z] = [f32x8::simd_from(simd, from_head[0]), f32x8::simd_from(simd, from_head[1]), f32x8::simd_from(simd, from_head[2])];
+        let along = x * self.along[0] + y * self.along[1] + z * self.along[2];
+        let (x, y, z) = (x + self.to_head[0], y + self.to_head[1], z + self.to_head[2]);
+        let height = x * self.inside[0] + y * self.inside[1] + z * self.inside[2];
+        let across = x * self.axis[0] + y * self.axis[1] + z * self.axis[2];
+        let ([inner, outer, left, right], none) = (self.sides, number(0.0));
+        let inside = height.max(none) * inner + height.min(none) * outer;
+        let sideways = across.max(none) * left + across.min(none) * right;
+        let rim = (inside * inside * (FRONT * FRONT) + sideways * sideways).sqrt();
+        let past = ((rim - RIM) * (1.0 / FADE)).max(none).min(number(1.0));
+        let mask = (number(1.0) - past * past * (number(3.0) - past * 2.0)) * f32x8::simd_from(simd, near.kin);
+        InBend { along: along.into(), inside: inside.into(), across: (across * self.per_radius).into(), mask: mask.into() }
     }
 }
 
@@ -124,13 +130,13 @@ impl Shifts {
         for lane in 0..8 {
             let x = places.along[lane] * (1.0 / WIDTH);
             let bell = (1.0 - x * x * (1.0 / ENDS)).max(0.0);
-            let (bell, inner) = (bell * bell, (0.5 * (1.0 + places.inside[lane])).max(0.0).min(1.0));
+            let (bell, inner) = (bell * bell, (0.5 * (1.0 + places.inside[lane])).clamp(0.0, 1.0));
             let bell = bell * bell;
             let part = bell * bell * places.mask[lane];
             let shift = part * (bent.to_inside * inner + bent.from_outside * (1.0 - inner));
-            let growth = part * bent.wider * places.across[lane].max(-WIDE_MAX).min(WIDE_MAX);
-            for axis in 0..3 {
-                self.sum[axis][lane] += bent.posed_inside[axis] * shift + bent.posed_axis[axis] * growth;
+            let growth = part * bent.wider * places.across[lane].clamp(-WIDE_MAX, WIDE_MAX);
+            for (sum, (inside, axis)) in self.sum.iter_mut().zip(bent.posed_inside.iter().zip(bent.posed_axis)) {
+                sum[lane] += inside * shift + axis * growth;
             }
             self.weight[lane] += part * bent.strength;
             self.square[lane] += part * bent.strength * bent.strength;

@@ -69,12 +69,12 @@ impl Crease {
             let margin = MARGIN.min(0.25 * off);
             let short = margin - side * dot(place, self.along);
             // What is larger of short and 0, rounded off between −SOFT and SOFT.
-            let round = (short + SOFT).max(0.0).min(2.0 * SOFT);
+            let round = (short + SOFT).clamp(0.0, 2.0 * SOFT);
             let short_round = round * round * (0.25 / SOFT) + (short - SOFT).max(0.0);
             let deep = (short_round * (1.0 / DEEP)) * (short_round * (1.0 / DEEP));
             let pushed = short_round / (1.0 + deep * deep).sqrt().sqrt() * smooth(off * (1.0 / SIDES));
-            for axis in 0..3 {
-                by[axis][lane] += self.posed_along[axis] * (side * pushed * closes);
+            for (by, along) in by.iter_mut().zip(self.posed_along) {
+                by[lane] += along * (side * pushed * closes);
             }
             let touch = closes * (1.0 - smooth((pushed - short) * (1.0 / ROOM)));
             free[lane] *= 1.0 - touch;

@@ -76,7 +76,7 @@ pub(super) fn image(m: &[[f32; 3]; 3], v: [f32; 3]) -> [f32; 3] {
 /// 3x² − 2x³, held at its ends.
 #[inline(always)]
 pub(super) fn smooth(x: f32) -> f32 {
-    let x = x.max(0.0).min(1.0);
+    let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
 }
 

@@ -16,6 +16,9 @@ const LEADS: f64 = 0.6;
 /// A bone this many times as long as thick begins to take a twist along itself, one longer by as much takes all of it.
 const SLENDER: f64 = 1.0;
 
+/// Where bends end along the limb, in radii, and across it, in reaches of the section: as `bend` has them.
+pub(super) const REACH: f64 = 2.55;
+pub(super) const NEAR_MAX: f64 = 2.0 / 0.6;
 /// Sides of a section, evenly around: between two of them its reach is told to a thousandth.
 const DIRECTIONS: usize = 64;
 
@@ -102,7 +105,7 @@ impl Limb {
             2.0 * section.iter().map(|([x, y], part)| part * (x * cosine + y * sine).max(0.0).powi(2)).sum::<f64>().sqrt()
         };
         let angles = (0..DIRECTIONS).map(|step| step as f64 * (TAU / DIRECTIONS as f64));
-        let reaches: Vec<f64> = angles.map(|angle| angle.sin_cos()).map(|(sine, cosine)| reach((cosine, sine))).collect();
+        let reaches: Vec<f64> = angles.map(f64::sin_cos).map(|(sine, cosine)| reach((cosine, sine))).collect();
         let reach_max = reaches.iter().copied().fold(0.0, f64::max);
         let is_sound = radius > 0.0 && radius.recip().is_finite();
         let slender = length.map_or(0.0, |length| smoothstep((length / radius - SLENDER) / SLENDER));

@@ -234,7 +234,7 @@ impl Frame<'_> {
     #[inline(always)]
     fn patch<V: Simd, P, S, F>(
         &self,
-        _simd: V,
+        simd: V,
         index: usize,
         slots: Range<usize>,
         points: &Points<P, S, F>,
@@ -291,14 +291,14 @@ impl Frame<'_> {
                 if let Some(bent) = &of_joint(row.joint).bent {
                     for block in near.row(row.row as usize) {
                         let number = block.number as usize;
-                        shifts[number].add(bent, &bent.places(block, &places[number]));
+                        shifts[number].add(bent, &bent.places(simd, block, &places[number]));
                     }
                 }
             }
             for (added, shifts) in added.iter_mut().zip(&shifts) {
                 add_to(added, &shifts.total());
             }
-            self.crease(index, slots.clone(), points, &places, &mut added, free);
+            self.crease(simd, index, slots.clone(), points, &places, &mut added, free);
         }
         for (at, slot) in slots.enumerate() {
             let factor = points.factor.as_ref().map_or(1.0, |factor| factor(slot) as f32);
@@ -358,8 +358,10 @@ impl Frame<'_> {
 
     /// Closes creases, each by where skin stands without any.
     #[inline(always)]
-    fn crease<P, S, F>(
+    #[allow(clippy::too_many_arguments, reason = "rows of one patch")]
+    fn crease<V: Simd, P, S, F>(
         &self,
+        simd: V,
         index: usize,
         slots: Range<usize>,
         points: &Points<P, S, F>,
@@ -379,7 +381,7 @@ impl Frame<'_> {
             let InFrame { bent: Some(bent), crease: Some(crease), .. } = &self.joints[usize::from(row.joint)] else { continue };
             for block in self.anatomy.near.row(row.row as usize) {
                 let number = block.number as usize;
-                let rest = bent.places(block, &places[number]);
+                let rest = bent.places(simd, block, &places[number]);
                 let parts = crease.parts(&rest);
                 if parts.iter().all(|part| *part <= 0.0) {
                     continue;

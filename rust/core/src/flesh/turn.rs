@@ -78,7 +78,7 @@ impl Turn {
             if volume.is_nan() { 0.0 } else { smoothstep((volume - FLATTENED[0]) / (FLATTENED[1] - FLATTENED[0])) }
         };
         let sound = soundness(&above.matrix3) * soundness(&own.matrix3);
-        if !(sound > 0.0) {
+        if sound <= 0.0 {
             return Self::default();
         }
         let local = above.inverse() * *own;

@@ -5,7 +5,7 @@
 //!     D_b y_b = w_b x + Σ D_c L_c y_c        over the joints c right below b, L_c what c does that b does not
 //!
 //! which is linear skinning. Now each part first turns about the axis of each c: that of c by −(1 − s) τ, so that s τ is left of the
-//! twist τ in L_c, all others by s τ. Where the point is a bone's alone and s is 1 nothing changes; in a pure twist the
+//! twist τ in `L_c`, all others by s τ. Where the point is a bone's alone and s is 1 nothing changes; in a pure twist the
 //! point is turned by s τ as a whole, whatever the weights. Kept is the difference from linear skinning.
 
 use glam::{DAffine3, DVec3};
@@ -149,8 +149,8 @@ impl Twisted {
             let above = scale(turned(self.axis, from_head, kept), 1.0 - part);
             let own = scale(turned(self.axis, from_head, kept - self.twist), part);
             let added = lanes::add(image(&self.above, above), image(&self.own, own));
-            for axis in 0..3 {
-                by[axis][lane] += added[axis];
+            for (by, added) in by.iter_mut().zip(added) {
+                by[lane] += added;
             }
         }
     }

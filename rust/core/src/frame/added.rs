@@ -2,7 +2,6 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::buffers::Posed;
 use crate::binding::Binding;
 use crate::error::{Error, LARGEST, Result, check_rows};
 use crate::numeric::lanes::{self, Columns, V4};
@@ -60,19 +59,18 @@ impl Added {
         let [x, y, z] = self.of_vertex[vertex].map(f64::from);
         [x, y, z, 0.0]
     }
-}
 
-impl Posed {
     /// Sets what is added to the skin, and returns the origin that is near to it; that of the skin is `origin`.
-    pub(super) fn set_added(
+    pub fn set(
         &mut self,
         binding: &Binding,
         offsets: Option<&[[f32; 3]]>,
         posed: Option<&[[f32; 3]]>,
         origin: DVec3,
+        object: &DAffine3,
     ) -> Result<DVec3> {
-        self.added.of_vertex.clear();
-        (self.added.places, self.added.rounding) = (None, 0.0);
+        self.of_vertex.clear();
+        (self.places, self.rounding) = (None, 0.0);
         let (what, given) = match (offsets, posed) {
             (None, None) => return Ok(origin),
             (Some(_), Some(_)) => return Err(Error::Both { one: "added_offsets", other: "posed_positions" }),
@@ -84,13 +82,13 @@ impl Posed {
             return Err(Error::Length { what, found: given.len(), needed: bound });
         }
         check_rows(what, given)?;
-        let armature_from_object = self.object.inverse();
+        let armature_from_object = object.inverse();
         if posed.is_some() {
             return self.set_places(given, armature_from_object);
         }
         let to_armature = armature_from_object.matrix3.as_mat3();
-        self.added.of_vertex.extend(given.iter().map(|&offset| (to_armature * glam::Vec3::from(offset)).to_array()));
-        let sum: DVec3 = (0..bound).map(|vertex| self.added.of_vertex(vertex)).sum();
+        self.of_vertex.extend(given.iter().map(|&offset| (to_armature * glam::Vec3::from(offset)).to_array()));
+        let sum: DVec3 = (0..bound).map(|vertex| self.of_vertex(vertex)).sum();
         Ok(origin + sum / bound.max(1) as f64)
     }
 
@@ -111,11 +109,11 @@ impl Posed {
         if !(0.0..=LARGEST).contains(&farthest) {
             return Err(Error::Value { what: "reach of posed_positions", found: farthest, needed: "up to 1e15 in the armature's space" });
         }
-        self.added.rounding = ROUNDING * farthest;
-        self.added.of_vertex.extend_from_slice(posed);
+        self.rounding = ROUNDING * farthest;
+        self.of_vertex.extend_from_slice(posed);
         let origin = armature_from_object.transform_point3(DVec3::from_array(sum) / posed.len().max(1) as f64);
         let places = DAffine3 { translation: armature_from_object.translation - origin, ..armature_from_object };
-        self.added.places = Some(lanes::columns(&places));
+        self.places = Some(lanes::columns(&places));
         Ok(origin)
     }
 }

@@ -3,11 +3,9 @@
 use glam::DVec3;
 
 use super::Pose;
-use super::buffers::{Posed, Staged};
 use crate::binding::Binding;
 use crate::error::{Error, Result, check_numbers, check_rows};
 use crate::numeric::lanes::{self, V4};
-use crate::volume_losses::job::Change;
 
 /// Rest positions of one frame.
 #[derive(Debug, Clone, Default)]
@@ -38,30 +36,28 @@ impl Body {
     pub fn rest_of_vertex(&self, binding: &Binding, vertex: usize) -> V4 {
         if self.is_split() { self.of_vertex[vertex] } else { self.rest(binding)[binding.sites.site_of_vertex[vertex] as usize] }
     }
-}
 
-impl Posed {
     /// Sets the body of a frame. Returns its centre in object space, and how far it reaches from there.
-    pub(super) fn set_body(&mut self, binding: &Binding, pose: &Pose) -> Result<(DVec3, f64)> {
+    pub fn set(&mut self, binding: &Binding, pose: &Pose) -> Result<(DVec3, f64)> {
         if pose.shape_values.len() > binding.shape_deltas.len() {
             return Err(Error::Length { what: "shape_values", found: pose.shape_values.len(), needed: binding.shape_deltas.len() });
         }
         check_numbers("shape_values", pose.shape_values)?;
-        self.body.of_vertex.clear();
-        self.body.is_brought = pose.rest_positions.is_some();
+        self.of_vertex.clear();
+        self.is_brought = pose.rest_positions.is_some();
         if let Some(positions) = pose.rest_positions {
-            self.bring_body(binding, positions)
+            self.bring(binding, positions)
         } else {
-            self.body.of_site.clear();
+            self.of_site.clear();
             if !binding.shape_deltas.is_empty() {
-                self.body.of_site.resize(binding.sites.len(), lanes::ZERO);
-                binding.mix_shapes(pose.shape_values, &mut self.body.of_site);
+                self.of_site.resize(binding.sites.len(), lanes::ZERO);
+                binding.mix_shapes(pose.shape_values, &mut self.of_site);
             }
             Ok((binding.rest_centre, binding.radius_with(pose.shape_values)))
         }
     }
 
-    fn bring_body(&mut self, binding: &Binding, positions: &[[f32; 3]]) -> Result<(DVec3, f64)> {
+    fn bring(&mut self, binding: &Binding, positions: &[[f32; 3]]) -> Result<(DVec3, f64)> {
         let needed = binding.slot_of_vertex.len();
         if positions.len() != needed {
             return Err(Error::Length { what: "rest_positions", found: positions.len(), needed });
@@ -70,7 +66,7 @@ impl Posed {
         let at = |position: &[f32; 3]| DVec3::from_array(position.map(f64::from));
         let centre = positions.iter().map(at).sum::<DVec3>() / needed.max(1) as f64;
         let sites = &binding.sites;
-        let Body { of_site, of_vertex, .. } = &mut self.body;
+        let Self { of_site, of_vertex, .. } = self;
         of_site.clear();
         of_site.resize(sites.len(), lanes::ZERO);
         let mut radius_squared = 0.0f64;
@@ -94,26 +90,7 @@ impl Posed {
     }
 
     /// Whether losses are measured by stages, not in closed form.
-    pub(super) fn is_staged(&self, binding: &Binding) -> bool {
-        self.body.is_brought || binding.plan.forms.is_none()
-    }
-}
-
-impl Staged {
-    /// Moments at rest: those of the bound body, or those that skinning finds for another one.
-    pub(super) fn start(&mut self, binding: &Binding, posed: &Posed) -> &mut Self {
-        let is_bound = posed.body.of_site.is_empty();
-        let portions = binding.plan.portions(posed.is_staged(binding));
-        if is_bound != self.has_bound_moments || !is_bound {
-            self.portion_moments.clone_from(&portions.rest_moments);
-        }
-        if is_bound && !self.has_bound_moments {
-            portions.rigid_moments(&self.portion_moments, &mut self.job_moments);
-        }
-        self.has_bound_moments = is_bound;
-        if posed.body.is_brought {
-            self.changes.resize(binding.plan.stages.change_count(), Change::default());
-        }
-        self
+    pub fn is_staged(&self, binding: &Binding) -> bool {
+        self.is_brought || binding.plan.forms.is_none()
     }
 }

@@ -1,7 +1,7 @@
 //! Volume that added offsets take goes back where it was lost: to the joint whose vicinity that is, the rest by the skin itself
 //! [MATH §9].
 
-use super::buffers::{Losses, Posed, Skinned, Targets};
+use super::places::Places;
 use super::{Bound, Pose, in_single_precision};
 use crate::binding::Binding;
 use crate::cores::following::Room;
@@ -42,21 +42,24 @@ impl Local {
     pub fn memory_bytes(&self) -> usize {
         self.room.memory_bytes() + size_of_val(&*self.volumes) + size_of_val(&*self.bounds) + size_of_val(&*self.of_joints)
     }
-}
 
-impl Targets {
-    /// Finds where added offsets took volume; adds to what joints give back what is theirs of it.
-    pub(super) fn share_added_losses(&mut self, bound: Bound, pose: &Pose, posed: &Posed, skinned: &Skinned, losses: &Losses) {
+    /// Finds where `offsets` that are not of `rounding` alone took volume: `missing` per component. True where there are any.
+    pub fn find(
+        &mut self,
+        bound: Bound,
+        pose: &Pose,
+        places: &Places,
+        (offsets, rounding): (&[[f32; 3]], f64),
+        missing: impl FnOnce() -> Vec<f64>,
+    ) -> bool {
         let Bound { binding, supports, settings } = bound;
-        let (places, offsets, rounding) = (&skinned.places, &skinned.offsets, posed.added.rounding);
         let is_moved = |offset: &[f32; 3]| offset.iter().any(|x| f64::from(x.abs()) > rounding);
-        self.local.is_used = offsets.iter().any(is_moved);
-        if !self.local.is_used {
-            return;
+        self.is_used = offsets.iter().any(is_moved);
+        if !self.is_used {
+            return false;
         }
         let (core, patches) = (binding.core(), &binding.patches);
-        let missing = self.missing_by_component(binding, losses);
-        let Local { volumes, bounds, room, shown, skinned, lengthening, densities, of_joints, .. } = &mut self.local;
+        let Local { volumes, bounds, room, shown, skinned, lengthening, densities, of_joints, .. } = self;
         let bare = |slot: usize| {
             let [x, y, z] = offsets[slot].map(f64::from);
             lanes::sub(places.at(slot), [x, y, z, 0.0])
@@ -64,7 +67,7 @@ impl Targets {
         core.begin(patches, |slot| is_moved(&offsets[slot]), room);
         core.volumes(patches, bare, room, skinned, lengthening);
         core.volumes(patches, |slot| places.at(slot), room, shown, lengthening);
-        core.densities(room, skinned, shown, missing, densities);
+        core.densities(room, skinned, shown, missing(), densities);
         volumes.resize(patches.slot_count(), 0.0);
         bounds.resize(patches.slot_count(), 0.0);
         of_joints.resize(supports.jobs_of_patch.values().len(), 0.0);
@@ -128,18 +131,12 @@ impl Targets {
                 }
             },
         );
-        for (&job, volume) in supports.jobs_of_patch.values().iter().zip(&self.local.of_joints) {
-            self.jobs[job as usize].volume += volume;
-        }
+        true
     }
 
-    /// Per component, how much less there is with what is added than as skinned.
-    fn missing_by_component(&self, binding: &Binding, losses: &Losses) -> Vec<f64> {
-        let mut missing: Vec<f64> = self.components.iter().map(|state| state.rest - state.skinned).collect();
-        for (job, change) in binding.plan.jobs.iter().zip(&losses.changes) {
-            missing[job.component as usize] += change.intent - change.loss;
-        }
-        missing
+    /// What each job is to give back of it, for each support of each patch.
+    pub fn of_joints(&self) -> &[f64] {
+        &self.of_joints
     }
 }
 

@@ -24,7 +24,7 @@ impl Posed {
         if !(pose.target_scale > 0.0 && pose.target_scale <= FACTOR_MAX) {
             return Err(Error::Value { what: "target_scale", found: pose.target_scale, needed: "a number above 0, up to 1e9" });
         }
-        let (rest_centre, radius) = self.set_body(binding, pose)?;
+        let (rest_centre, radius) = self.body.set(binding, pose)?;
         check_pose(pose.matrices, &mut self.channels)?;
         self.object = check_object(&pose.object_from_armature)?;
         let armature_from_rest = self.object.inverse() * DAffine3::from_translation(rest_centre);
@@ -48,7 +48,7 @@ impl Posed {
         if total > 0.0 {
             origin /= total;
         }
-        let origin = self.set_added(binding, pose.added_offsets, pose.posed_positions, origin)?;
+        let origin = self.added.set(binding, pose.added_offsets, pose.posed_positions, origin, &self.object)?;
         self.motions.set(&self.channels, armature_from_rest, origin, binding.size, keep_bone_scale);
         Ok(self)
     }

@@ -20,6 +20,25 @@ use crate::surface::sweeps::{self, Buffer, GRADIENT_PARTS, mean_and_cross, polyg
 use crate::volume_losses::job::{Change, Moment};
 use crate::volume_losses::staged::{Portion, Rows, giant_moment, giant_volume};
 
+impl Staged {
+    /// Moments at rest: those of the bound body, or those that skinning finds for another one.
+    pub(super) fn start(&mut self, binding: &Binding, posed: &Posed) -> &mut Self {
+        let is_bound = posed.body.of_site.is_empty();
+        let portions = binding.plan.portions(posed.body.is_staged(binding));
+        if is_bound != self.has_bound_moments || !is_bound {
+            self.portion_moments.clone_from(&portions.rest_moments);
+        }
+        if is_bound && !self.has_bound_moments {
+            portions.rigid_moments(&self.portion_moments, &mut self.job_moments);
+        }
+        self.has_bound_moments = is_bound;
+        if posed.body.is_brought {
+            self.changes.resize(binding.plan.stages.change_count(), Change::default());
+        }
+        self
+    }
+}
+
 impl Skinned {
     /// Skins all points; volume and gradient of the skinned surface, and stages on the way to it.
     pub(super) fn skin<'a>(
@@ -33,7 +52,7 @@ impl Skinned {
         let level = Level::new();
         let patches = &binding.patches;
         let count = patches.list.len();
-        let stages = if posed.is_staged(binding) { Some(&binding.plan.stages) } else { None };
+        let stages = if posed.body.is_staged(binding) { Some(&binding.plan.stages) } else { None };
         let (motions, added, rest_body) = (&posed.motions, &posed.added, &posed.body);
         let of_losses = flesh.of_losses(motions);
         self.offsets.resize(if added.is_empty() { 0 } else { patches.slot_count() }, [0.0; 3]);

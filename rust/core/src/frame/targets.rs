@@ -13,14 +13,15 @@ const LOSS_FLOOR: f64 = 1e-3;
 impl Losses {
     /// Those that no skinned point is needed for.
     pub(super) fn measure_forms(&mut self, binding: &Binding, posed: &Posed, flesh: &Shape) {
-        if let (false, Some(forms), Some(buffers)) = (posed.is_staged(binding), &binding.plan.forms, &mut self.forms) {
+        if let (false, Some(forms), Some(buffers)) = (posed.body.is_staged(binding), &binding.plan.forms, &mut self.forms) {
             forms.measure(flesh.of_losses(&posed.motions), buffers);
         }
     }
 
     /// All of them.
     pub(super) fn gather(&mut self, binding: &Binding, posed: &Posed, flesh: &Shape, staged: &Staged) {
-        let (motions, changes, is_staged) = (flesh.of_losses(&posed.motions), &mut self.changes, posed.is_staged(binding));
+        let (motions, changes) = (flesh.of_losses(&posed.motions), &mut self.changes);
+        let is_staged = posed.body.is_staged(binding);
         binding.plan.carry(motions, &staged.job_moments, changes);
         match (is_staged, &binding.plan.forms, &self.forms) {
             (false, Some(forms), Some(buffers)) => forms.gather(buffers, changes),
@@ -37,7 +38,7 @@ impl Targets {
         self.components.fill(ComponentTarget::default());
         // Moments are about the rest mesh in object space.
         let armature_from_object = posed.object.matrix3.determinant().recip();
-        let portions = binding.plan.portions(posed.is_staged(binding));
+        let portions = binding.plan.portions(posed.body.is_staged(binding));
         for (moment, &component) in staged.portion_moments.iter().zip(&portions.components) {
             self.components[component as usize].rest += moment.0 * armature_from_object;
         }
@@ -77,7 +78,12 @@ impl Targets {
                 None => state.wide += given_back,
             }
         }
-        self.share_added_losses(bound, pose, posed, skinned, losses);
+        let missing = || missing_by_component(binding, &self.components, losses);
+        if self.local.find(bound, pose, &skinned.places, (&skinned.offsets, posed.added.rounding), missing) {
+            for (&job, volume) in supports.jobs_of_patch.values().iter().zip(self.local.of_joints()) {
+                self.jobs[job as usize].volume += volume;
+            }
+        }
         for (state, job) in self.jobs.iter().zip(&binding.plan.jobs) {
             self.components[job.component as usize].spread += state.volume.abs();
         }
@@ -113,4 +119,13 @@ impl Targets {
             state.target += change;
         }
     }
+}
+
+/// Per component, how much less there is with what is added than as skinned.
+fn missing_by_component(binding: &Binding, components: &[ComponentTarget], losses: &Losses) -> Vec<f64> {
+    let mut missing: Vec<f64> = components.iter().map(|state| state.rest - state.skinned).collect();
+    for (job, change) in binding.plan.jobs.iter().zip(&losses.changes) {
+        missing[job.component as usize] += change.intent - change.loss;
+    }
+    missing
 }
