@@ -263,7 +263,7 @@ def test_an_elbow_keeps_its_inside_where_flesh_is():
 @pytest.mark.parametrize("value", [-0.1, 1.1, np.nan])
 def test_settings_out_of_range_are_refused(setting: str, value: float):
     with pytest.raises(turgor.TurgorError, match=setting):
-        turgor.Joint(0, **{setting: value})
+        turgor.presets.joint("isotropic", 0, shares=None, **{setting: value})
 
 
 @settings(deadline=None)
