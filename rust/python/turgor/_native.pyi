@@ -241,7 +241,8 @@ class VolumeSkin:
         volume whatever the bones do.
     fields: "plain": along the gradient of the volume, as in the paper, and less of a profile the farther from its
         joint; "even": along normals that are evened out over a part of the flesh below, so that fine detail is carried
-        along, and profiles act as they are drawn. With added offsets or positions of another deformer, along the gradient too.
+        along, and profiles act as they are drawn. With added offsets or positions
+        of another deformer, along the gradient too.
     object_from_armature: (4, 4) as it stands at bind; turns lengths of the mesh into the skeleton's. Identity if None.
     shape_deltas: (K, N, 3) displacement of each shape key from rest_positions, mixed by `shape_values` each frame.
     """
