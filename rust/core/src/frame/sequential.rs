@@ -40,7 +40,7 @@ impl Workspace {
                 if shares.iter().all(|s| s[step] == 0.0) {
                     continue;
                 }
-                self.sweep_moved(binding);
+                self.sweep_gradient(binding, true);
                 self.sum_capacities(binding, supports, settings, Pass::Some(&mine));
                 for (&job, shares) in mine.iter().zip(&shares) {
                     let state = &mut self.jobs[job];
@@ -59,14 +59,17 @@ impl Workspace {
                 );
             }
         }
+        // What is left starts from the skinned surface, if it must.
+        self.sweep_gradient(binding, false);
+        self.sum_capacities(binding, supports, settings, Pass::Shell);
     }
 
-    /// Gradient of the surface moved so far.
-    fn sweep_moved(&mut self, binding: &Binding) {
+    /// Gradient of the surface moved so far, or as skinned.
+    fn sweep_gradient(&mut self, binding: &Binding, is_moved: bool) {
         let level = Level::new();
         let patches = &binding.patches;
         let (skinned, moves) = (&self.skinned, &self.moves);
-        let place = |slot: usize| add(skinned.at(slot), widened(moves[slot].by));
+        let place = |slot: usize| if is_moved { add(skinned.at(slot), widened(moves[slot].by)) } else { skinned.at(slot) };
         let (sources, giant_sources) = self.sources.split_at_mut(patches.patch_source_count());
         let arrays = (ragged(&mut self.gradient, &patches.slot_offsets), Ragged::new(sources, &patches.source_offsets));
         for_each_piece(patches.list.len(), arrays, &|index, (gradient, sources)| {
