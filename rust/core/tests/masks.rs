@@ -66,7 +66,9 @@ fn of_size(faces: &character::Faces, size: f64, options: Options) -> VolumeSkin 
 
 fn posed_of_size(turns: &[DVec3], size: f64) -> Vec<DMat4> {
     let mut matrices = posed(turns);
-    matrices.iter_mut().for_each(|matrix| matrix.w_axis *= DVec4::new(size, size, size, 1.0));
+    for matrix in &mut matrices {
+        matrix.w_axis *= DVec4::new(size, size, size, 1.0);
+    }
     matrices
 }
 
