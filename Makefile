@@ -142,7 +142,7 @@ mutants: dist/.extension .fixtures/.ready $(NEWEST)/.ready ## break lines on pur
 SHARE ?= 0/1
 
 engine-mutants: $(NEWEST)/.ready ## break what cargo-mutants can break in the engine: hours, or make engine-mutants SHARE=0/6 (needs cargo-mutants)
-	cargo mutants --output target-mutants --shard $(SHARE) --sharding round-robin || true
+	PROPTEST_MAX_SHRINK_ITERS=0 cargo mutants --output target-mutants --shard $(SHARE) --sharding round-robin || true
 	$(NEWEST)/bin/python -m tests.mutation --missed target-mutants/mutants.out
 
 clean: ## remove everything made here

@@ -92,7 +92,7 @@ class TurgorJoint(ProfileSet, bpy.types.PropertyGroup):
     crease: FloatProperty(
         name="Crease",
         description="How far the inside of a bend closes on the plane that halves it instead of passing through itself",
-        default=1.0,
+        default=0.0,
         min=0.0,
         max=1.0,
         subtype="FACTOR",

@@ -51,7 +51,7 @@ def test_presets_of_before_follow_flesh_as_new_joints_do(preset):
     fields = joint_preset.value_of(joint_preset.to_text(preset))
     for name in ("flesh", "use_auto_outside", "outside", "spread_twist", "crease"):
         del fields[name]
-    expected = preset._replace(flesh=1.0, use_auto_outside=True, outside=1.0, spread_twist=1.0, crease=1.0)
+    expected = preset._replace(flesh=1.0, use_auto_outside=True, outside=1.0, spread_twist=1.0, crease=0.0)
     assert joint_preset.from_text(repr(fields)) == expected
 
 

@@ -43,7 +43,7 @@ impl Solution {
                 if shares.iter().all(|s| s[step] == 0.0) {
                     continue;
                 }
-                gradient.sweep_moved(problem, &correction.moves);
+                gradient.sweep(problem, Some(&correction.moves));
                 fields.sum_capacities(problem, gradient, Pass::Some(&mine));
                 for (&job, shares) in mine.iter().zip(&shares) {
                     let (target, state) = (&targets.jobs[job], &mut fields.jobs[job]);
@@ -63,16 +63,19 @@ impl Solution {
                 );
             }
         }
+        // What is left starts from the skinned surface, if it must.
+        gradient.sweep(problem, None);
+        fields.sum_capacities(problem, gradient, Pass::Shell);
     }
 }
 
 impl Gradient {
-    /// Of the surface moved so far.
-    fn sweep_moved(&mut self, problem: Problem, moves: &[Move]) {
+    /// Of the surface moved so far; as skinned without moves.
+    fn sweep(&mut self, problem: Problem, moves: Option<&[Move]>) {
         let level = Level::new();
         let (binding, skinned) = (problem.bound.binding, &problem.skinned.places);
         let patches = &binding.patches;
-        let place = |slot: usize| add(skinned.at(slot), widened(moves[slot].by));
+        let place = |slot: usize| moves.map_or(skinned.at(slot), |moves| add(skinned.at(slot), widened(moves[slot].by)));
         let (sources, giant_sources) = self.sources.split_at_mut(patches.patch_source_count());
         let arrays = (ragged(&mut self.rows, &patches.slot_offsets), Ragged::new(sources, &patches.source_offsets));
         for_each_piece(patches.list.len(), arrays, &|index, (gradient, sources)| {

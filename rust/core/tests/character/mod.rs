@@ -47,9 +47,14 @@ pub fn heads(bones: usize) -> Vec<DVec3> {
 
 /// The tube's weights on such a chain, at most four bones to a vertex.
 pub fn skinning(positions: &[DVec3], bones: usize, mode: Mode) -> Skinning {
+    skinning_of_size(positions, bones, mode, 1.0)
+}
+
+/// The same weights on a chain that is so many times as large.
+pub fn skinning_of_size(positions: &[DVec3], bones: usize, mode: Mode, size: f64) -> Skinning {
     let step = LENGTH / bones as f64;
     let parents: Vec<i32> = (0..bones as i32).map(|bone| bone - 1).collect();
-    let rest: Vec<DMat4> = heads(bones).into_iter().map(DMat4::from_translation).collect();
+    let rest: Vec<DMat4> = heads(bones).into_iter().map(|head| DMat4::from_translation(head * size)).collect();
     let (mut offsets, mut influences, mut weights) = (vec![0], Vec::new(), Vec::new());
     for p in positions {
         let nearest = (p.z / step - 0.5).round().clamp(0.0, bones as f64 - 1.0) as usize;
