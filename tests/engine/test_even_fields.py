@@ -9,7 +9,7 @@ import pytest
 import turgor
 from hypothesis import given
 from hypothesis import strategies as st
-from rigs import Fields, Mode, Rig, chain, limb
+from rigs import Fields, Mode, Rig, chain, limb, rotation
 from surfaces import tube
 
 seeds = st.integers(0, 2**32 - 1)
@@ -80,3 +80,31 @@ def test_without_detail_both_push_alike(seed: int, mode: Mode):
 def test_an_unknown_kind_is_refused_by_name():
     with pytest.raises(turgor.TurgorError, match='fields: need "plain" or "even", got "round"'):
         limb().body(fields="round")  # type: ignore[arg-type]
+
+
+@given(seeds, modes)
+def test_exact_with_the_law_of_flesh(seed: int, mode: Mode):
+    rng = np.random.default_rng(seed)
+    rig = limb(bone_count=4)
+    joints = [turgor.Joint(bone, flesh=float(rng.uniform(0.0, 1.0))) for bone in range(rig.bone_count)]
+    frame = rig.body(mode, joints, fields="even").deform(rig.random_pose(rng, 0.8))
+    assert np.isfinite(frame.positions).all()
+    assert frame.report.relative_error <= 1e-12
+
+
+@pytest.mark.parametrize("degrees", [0.0, 60.0, 120.0, 150.0])
+def test_what_turns_by_angle_still_swells_outwards(degrees: float):
+    """Normals turn with the skin that twists spread along the bone."""
+    rig = limb(bone_count=3, rings=65, sides=24)
+    joints = [turgor.Joint(bone, flesh=1.0) for bone in range(rig.bone_count)]
+    pose = rig.pose([np.eye(4), rotation([0.0, 1.0, 0.0], np.radians(degrees)), np.eye(4)])
+    body = rig.body(joints=joints, fields="even")
+    swollen, plain = (body.deform(pose, target_scale=scale).positions for scale in (1.1, 1.0))
+    radial = plain * [0.0, 1.0, 1.0]
+    is_side = (plain[:, 0] > 0.3) & (plain[:, 0] < 3.7)
+    radial = radial[is_side] / np.linalg.norm(radial[is_side], axis=1, keepdims=True)
+    moved = (swollen - plain)[is_side]
+    outwards = (moved * radial).sum(1)
+    around = np.linalg.norm(np.cross(moved, radial)[:, :1], axis=1)
+    assert outwards.min() > 0.0
+    assert around.max() <= 0.05 * outwards.max()
