@@ -5,7 +5,6 @@ use glam::{DAffine3, DVec3};
 use super::Bound;
 use super::added::Added;
 use super::body::Body;
-use super::carried::Carried;
 use super::local::Local;
 use super::places::{Coordinates, Places};
 use crate::fields::field::{Capacity, Field, FieldFrame};
@@ -37,6 +36,13 @@ pub(super) struct Skinned {
     pub offsets: Vec<[f32; 3]>,
     pub patches: Vec<SkinnedPatch>,
     pub giant_volumes: Vec<f64>,
+}
+
+/// Normals at rest as the pose carries them along: unit vectors per slot, armature space. Empty unless fields are even.
+#[derive(Debug, Clone)]
+pub(super) struct Carried {
+    pub rows: Coordinates,
+    pub is_used: bool,
 }
 
 /// What skinning finds in one patch.

@@ -1,19 +1,12 @@
 //! Normals at rest, evened out, as the pose carries them along: what even fields push along.
 
 use super::buffers::{Posed, Skinned};
-use super::places::{Coordinates, ragged};
+use super::places::ragged;
 use super::{Bound, Problem};
 use crate::fields::patch_sums::Normals;
 use crate::flesh::shape::Shape;
 use crate::numeric::lanes;
 use crate::parallel::split::for_each_piece;
-
-/// Unit vectors per slot, armature space.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Carried {
-    pub rows: Coordinates,
-    pub is_used: bool,
-}
 
 impl Skinned {
     /// Carries the normals along with the skin. What another deformer adds may turn it any way: fields then follow the gradient.
