@@ -5,13 +5,17 @@ mod character;
 use character::{bound, posed, tube};
 use glam::{DMat4, DVec3, DVec4};
 use proptest::prelude::*;
-use turgor::{Mesh, Mode, Options, Pose, Report, Solver, VolumeSkin};
+use turgor::{Fields, Mesh, Mode, Options, Pose, Report, Solver, VolumeSkin};
 
 const RINGS: usize = 25;
 const SEGMENTS: usize = 10;
 
 fn turns() -> impl Strategy<Value = Vec<DVec3>> {
     proptest::collection::vec([-1.2..1.2, -1.2..1.2, -1.2..1.2].prop_map(DVec3::from_array), 3)
+}
+
+fn kinds_of_fields() -> impl Strategy<Value = Fields> {
+    prop_oneof![Just(Fields::Plain), Just(Fields::Even)]
 }
 
 fn solvers() -> impl Strategy<Value = Solver> {
@@ -166,12 +170,12 @@ proptest! {
     #[test]
     fn whatever_is_asked_for_offsets_are_numbers(
         turns in turns(), solver in solvers(), size in -14.0..1.0, grown in prop_oneof![-160.0..0.0, 0.0..28.0], target in -9.0..9.0,
-        keep_bone_scale in any::<bool>(), masked in proptest::option::of(any::<usize>()),
+        keep_bone_scale in any::<bool>(), fields in kinds_of_fields(), masked in proptest::option::of(any::<usize>()),
     ) {
         let faces = rough_tube();
         let mask = masked.map(|vertex| patch(&faces.0, vertex, 0.3));
         let size = 10f64.powf(size);
-        let body = of_size(&faces, size, Options { solver, keep_bone_scale }).with_mask(mask.as_deref()).expect("a mask");
+        let body = of_size(&faces, size, Options { solver, keep_bone_scale, fields }).with_mask(mask.as_deref()).expect("a mask");
         let matrices: Vec<DMat4> = posed_of_size(&turns, size).into_iter().map(|matrix| matrix * DMat4::from_scale(DVec3::splat(10f64.powf(grown)))).collect();
         let (mut workspace, mut offsets) = (body.workspace(), vec![[0.0; 3]; body.vertex_count()]);
         let pose = Pose { target_scale: 10f64.powf(target), ..Pose::new(&matrices) };

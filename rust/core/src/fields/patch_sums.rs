@@ -97,7 +97,8 @@ fn along_normals_by_lanes<S: Simd>(
     for i in 0..count {
         let square = (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]) * (inverse_gradients[i] * inverse_gradients[i]);
         let area = if inverse_areas[i] > 0.0 { inverse_areas[i].recip() } else { 0.0 };
-        lengths[i] = area * (2.0 * square / (1.0 + square));
+        // As 2q²/(1 + q²), which is no number where q² is none.
+        lengths[i] = area * (2.0 / (1.0 + square.recip()));
         (dx[i], dy[i], dz[i]) = (nx[i] * lengths[i], ny[i] * lengths[i], nz[i] * lengths[i]);
         volumes[i] = x[i] * dx[i] + y[i] * dy[i] + z[i] * dz[i];
     }
