@@ -34,7 +34,7 @@ def draw_joint(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
     column.prop(edited, "strength")
     column.prop(edited, "size")
     if volume_settings(ob).flesh > 0.0:
-        _draw_flesh(column, edited)
+        _draw_flesh(column, edited, joint.use_auto_outside)
     _draw_silence(column, ob, joint)
 
 
@@ -54,11 +54,11 @@ def edited_settings(ob: bpy.types.Object, joint: TurgorJoint) -> tuple[TurgorJoi
     return saved.several, iface_("{name} and {count} more").format(name=name, count=others)
 
 
-def _draw_flesh(column: bpy.types.UILayout, edited: TurgorJoint | TurgorSelectedJoints) -> None:
+def _draw_flesh(column: bpy.types.UILayout, edited: TurgorJoint | TurgorSelectedJoints, is_auto: bool) -> None:
     column.prop(edited, "flesh")
     row = column.row(align=True, heading=iface_("Soft"))
     own = row.row(align=True)
-    own.active = not edited.use_auto_outside
+    own.active = not is_auto
     own.prop(edited, "outside", text="")
     row.prop(edited, "use_auto_outside", toggle=True)
     column.prop(edited, "spread_twist")

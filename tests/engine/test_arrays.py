@@ -222,8 +222,25 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, np.ndarray]]] = {
         },
     ),
 }
+
+
+def _posed(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Posed positions, which nothing may be added to, in place of added offsets."""
+    offsets = arrays["added_offsets"]
+    rest = {name: array for name, array in arrays.items() if name != "added_offsets"}
+    return rest | {"posed_positions": (SURFACE.positions + offsets).astype(np.float32)}
+
+
+POSED_SUFFIX = " of posed positions"
+CALLS |= {
+    call + POSED_SUFFIX: (function, _posed(arrays))
+    for call, (function, arrays) in CALLS.items()
+    if "added_offsets" in arrays
+}
+
 # Arrays that are written, not read.
 OUTPUTS = {"offsets", "fold_counts", ("VolumeSkin.deform_many", "positions")}
+OUTPUTS |= {("VolumeSkin.deform_many" + POSED_SUFFIX, "positions")}
 # What messages call arrays that come in tuples.
 TUPLES = {"weight_numbers": "weights", "point": "symmetry_plane", "normal": "symmetry_plane|normal"}
 CURVES = {"profiles": "profile", "folded_profiles": "profile|folded_profiles", "positions": "positions|rest_positions"}
@@ -289,12 +306,15 @@ def annotated_arrays() -> dict[str, set[str]]:
 
 def test_every_array_of_the_stubs_is_tried():
     stubs = annotated_arrays()
-    assert set(stubs) == set(CALLS)
+    tried: dict[str, set[str]] = {}
+    for call, (_, arrays) in CALLS.items():
+        tried.setdefault(call.removesuffix(POSED_SUFFIX), set()).update(arrays)
+    assert set(stubs) == set(tried)
     tuples = {"positions", "face_offsets", "face_corners", "weight_offsets", "weight_bones", *TUPLES}
     for call, names in stubs.items():
         if call == "automatic_weights":
             names = names - {"meshes", "locked_weights", "symmetry_plane"} | tuples
-        assert set(CALLS[call][1]) == names, call
+        assert tried[call] == names, call
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
