@@ -240,7 +240,7 @@ def test_exports_are_read_again_and_compared(saved, run, tmp_path, suffix: str):
     assert path.is_file()
     (verified,) = found["verified"]
     assert verified["max_error_relative"] < 3e-4
-    assert verified["volume_error_relative"] < 1e-4
+    assert verified["volume_error_relative"] < 3e-4
     bpy.ops.wm.open_mainfile(filepath=str(saved))
     bpy.data.objects["Tube"].data.name = "Other.Name"
     has_keys = suffix in {"glb", "fbx"}

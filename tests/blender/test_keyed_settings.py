@@ -94,7 +94,7 @@ def test_a_blend_begins_and_ends_with_its_sets_and_does_not_jump(route):
         bpy.context.view_layer.update()
         return _at(ob, FRAME)
 
-    parts = np.linspace(0.0, 1.0, 11)
+    parts = np.linspace(0.0, 1.0, 41)
     shapes = [shown(float(part)) for part in parts]
     joint.blend_mode = "NONE"
     assert np.abs(_at(ob, FRAME) - shapes[0]).max() < 1e-6
@@ -103,5 +103,8 @@ def test_a_blend_begins_and_ends_with_its_sets_and_does_not_jump(route):
     whole = np.abs(shapes[-1] - shapes[0]).max()
     steps = [np.abs(after - before).max() for before, after in itertools.pairwise(shapes)]
     assert max(steps) < 0.5 * whole
+    joint.blend_mode = "VALUE"
+    joint.preset = "MUSCLE"
+    assert np.abs(shown(1e-4) - shown(0.0)).max() < 1e-2 * whole
     joint.preset, joint.blend_mode = "MUSCLE", "VALUE"
     assert np.abs(shown(0.5 + 1e-4) - shown(0.5)).max() < 1e-2 * whole
