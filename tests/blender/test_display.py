@@ -111,13 +111,12 @@ def test_heat_of_the_displacement_is_the_carriers_offset_in_the_world(look):
 def test_weight_is_of_one_joint_and_absent_without_one(look):
     ob, _ = character()
     add_turgor(ob)
+    # Under the law of flesh a bent joint's field lies amid its section, not at its head.
+    ob.turgor.flesh = 0.0
     _at(FRAME)
     shown = look(ob)
     assert shown.heat("WEIGHT", "Bone1", np.eye(4), 0.0, 1.0).highest > 0.0
     assert shown.heat("WEIGHT", "no such bone", np.eye(4), 0.0, 1.0) is None
-    # Under the law of flesh a bent joint's field lies amid its section, not at its head.
-    ob.turgor.flesh = 0.0
-    shown = look(ob)
     head = bpy.data.objects["Rig"].pose.bones["Bone1"].head
     assert np.abs(shown.joint_field("Bone1").origin - np.array(head)).max() < ROUNDING
     assert np.abs(shown.joint_origin("Bone1") - np.array(head)).max() < ROUNDING
