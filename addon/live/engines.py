@@ -71,7 +71,7 @@ def _joints(target: bpy.types.Object, saved: settings.BodySettings, bound: Volum
     rows = joint_names.rows_of(bound.bones, bound.body.joint_bones)
     arrays, tables = saved.joints, bound.curves.tables
     strengths = joints.effective_strengths(arrays.strengths, arrays.is_muted, arrays.is_solo)
-    flesh = saved.flesh * np.where(joints.is_heard(arrays.is_muted, arrays.is_solo), arrays.flesh, 0.0)
+    flesh = saved.flesh * arrays.flesh
     found = []
     for place, name in enumerate(settings.joint_names(target)):
         if name not in rows:

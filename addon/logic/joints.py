@@ -63,12 +63,8 @@ def effective_strengths(
     strengths: NDArray[np.float32], is_muted: NDArray[np.bool_], is_solo: NDArray[np.bool_]
 ) -> NDArray[np.float32]:
     """(J,) 0 for joints that are muted, or not solo where another is."""
-    return np.where(is_heard(is_muted, is_solo), strengths, np.float32(0.0))
-
-
-def is_heard(is_muted: NDArray[np.bool_], is_solo: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """(J,) joints that are not muted, and solo where any is."""
-    return ~is_muted & (is_solo if is_solo.any() else True)
+    is_heard = ~is_muted & (is_solo if is_solo.any() else True)
+    return np.where(is_heard, strengths, np.float32(0.0))
 
 
 def as_written(value: float) -> float:

@@ -60,18 +60,20 @@ def _follow(ob: bpy.types.Object) -> None:
 def test_curves_are_shown_for_every_preset_and_change_nothing(route, preset):
     ob, _ = character()
     add_turgor(ob)
-    ob.turgor.active_joint = 0
-    joint = ob.turgor.joints[BONE]
+    place, other = 0, ob.turgor.active_joint
+    if place == other:
+        place = 1
+    joint = ob.turgor.joints[place]
     joint.preset = preset
     exact = _shown(ob)
     assert joint.curve_along == ""
-    ob.turgor.active_joint = ob.turgor.joints.find(BONE)
+    ob.turgor.active_joint = place
     drawn = _points(joint)
     _follow(ob)
     assert (_shown(ob) == exact).all()
     assert joint.preset == preset
-    ob.turgor.active_joint = 0
-    ob.turgor.active_joint = ob.turgor.joints.find(BONE)
+    ob.turgor.active_joint = other
+    ob.turgor.active_joint = place
     assert _points(joint) == drawn
 
 
@@ -86,8 +88,9 @@ def test_an_edited_preset_is_custom_from_where_it_was(route, preset):
     assert relative_error(ob, rest) < VOLUME_TOLERANCE
 
 
-# Of the displacement. Three curves of one variable come near to the isotropic bell, few points to waves.
-FIT = {"ISOTROPIC": 0.04, "RUBBER": 0.01, "MUSCLE": 0.01, "FOLDS": 0.04, "BELLY": 0.02}
+# Of the displacement. Three curves of one variable come near to the isotropic bell, few points to waves, and to a
+# muscle's tail, which even fields show whole.
+FIT = {"ISOTROPIC": 0.04, "RUBBER": 0.01, "MUSCLE": 0.015, "FOLDS": 0.04, "BELLY": 0.02}
 
 
 @pytest.mark.parametrize("preset", PRESETS)
