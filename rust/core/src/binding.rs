@@ -170,7 +170,7 @@ impl Binding {
             // Now, not in the first frame.
             self.normals();
         }
-        Supports::new(&self.patches, &self.sites, tree, &self.plan.jobs, &rest, &self.inverse_areas, settings, fields)
+        Supports::new(&self.patches, &self.sites, tree, &self.plan.jobs, &rest, &self.inverse_areas, (settings, fields))
     }
 
     fn sites_in_armature(&self) -> Vec<DVec3> {
@@ -216,7 +216,9 @@ impl Binding {
         self.core.get_or_init(|| {
             let faces = self.faces_of_slots();
             let mut is_used = vec![false; self.patches.slot_count()];
-            faces.values().iter().for_each(|&slot| is_used[slot as usize] = true);
+            for &slot in faces.values() {
+                is_used[slot as usize] = true;
+            }
             let used = (0..is_used.len()).filter(|&slot| is_used[slot]);
             let pairs: Vec<(u32, u32)> = used.map(|slot| (self.patches.component_of_slot(slot), slot as u32)).collect();
             let rest = RestSurface {

@@ -76,7 +76,9 @@ pub(crate) fn even_normals(
         if length > 0.0 { length.recip() as f32 } else { 0.0 }
     };
     let inverse_gradients = own.iter().zip(inverse_areas).map(inverse).collect();
-    own.iter_mut().for_each(|normal| *normal = normal.normalize_or_zero());
+    for normal in &mut own {
+        *normal = normal.normalize_or_zero();
+    }
     let Some(diffusion) = Diffusion::new(Laplacian::new(places, faces), &over) else { return EvenNormals::default() };
     let even = diffusion.vectors(&own);
     let direction = |(even, own): (DVec3, &DVec3)| {

@@ -75,8 +75,7 @@ impl Supports {
         jobs: &[Job],
         rest: &[DVec3],
         inverse_areas: &[f32],
-        settings: &[Joint],
-        fields: Fields,
+        (settings, fields): (&[Joint], Fields),
     ) -> Self {
         let is_even = fields == Fields::Even;
         let reach = if is_even { EVEN_REACH } else { REACH };
