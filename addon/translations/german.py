@@ -192,6 +192,7 @@ TEXTS: dict[str, str] = {
     "Bony or soft by how near the joint lies to the skin on the outside of its bends": (
         "Knochig oder weich, je nachdem, wie nah das Gelenk an der Haut der Außenseite liegt"
     ),
+    "Auto": "Auto",
     "Soft": "Weich",
     "The outside of a bend: 0 where bone lies under the skin, an elbow, 1 where flesh is soft": (
         "Die Außenseite einer Beuge: 0, wo Knochen unter der Haut liegt, ein Ellbogen, 1, wo Fleisch weich ist"

@@ -89,6 +89,8 @@ def test_figures_of_the_panel_follow_the_frame(route, runtime):
     ob, _ = character()
     rest = volume(ob)
     add_turgor(ob)
+    # Under the law of flesh joints lose what is missing once it is followed.
+    ob.turgor.flesh = 0.0
     bpy.context.scene.frame_set(FRAME)
     known = runtime.character(ob.session_uid)
     lost = sum(joint.lost for joint in known.figures.joints.values())
