@@ -191,8 +191,13 @@ def test_a_cancelled_bake_leaves_nothing_but_its_chunks(runtime, tmp_path):
     bpy.data.orphans_purge()
     for stop in range(1, count, 2):
         steps = job.Job(ob, options.Options("ABSOLUTE", frames, folder=tmp_path, name="Cut")).run()
-        for _ in range(stop):
-            next(steps)
+        has_ended = [next(steps, steps) is steps for _ in range(stop)]
+        if has_ended[-1]:
+            # It is cut into steps by the clock: this one had fewer.
+            assert stop > 1
+            bpy.data.objects.remove(bpy.data.objects["Cut"])
+            bpy.data.orphans_purge()
+            break
         steps.close()
         assert (
             sorted(bpy.data.objects.keys()),
