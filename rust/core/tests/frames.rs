@@ -5,7 +5,7 @@ mod character;
 use character::{bound, posed, skinning, tube};
 use glam::{DMat4, DQuat, DVec3};
 use proptest::prelude::*;
-use turgor::{Error, Mesh, Mode, Options, Pose, Skeleton, Skinning, Topology, VolumeCubic, VolumeSkin};
+use turgor::{Error, Mesh, Mode, Options, Pose, Report, Skeleton, Skinning, Topology, VolumeCubic, VolumeSkin};
 
 fn vector() -> impl Strategy<Value = DVec3> {
     [-1.0..1.0, -1.0..1.0, -1.0..1.0].prop_map(DVec3::from_array)
@@ -33,6 +33,17 @@ fn two_tubes() -> character::Faces {
 
 fn mesh_of(faces: &character::Faces) -> Mesh {
     Mesh::new(faces.0.clone(), &faces.1, &faces.2, 0.0).expect("sound tubes")
+}
+
+/// Skinning may turn a shell over or flatten it, and then no field need reach its volume: only there, and the report has it.
+fn is_exact_or_told(faces: &character::Faces, moved: &[DVec3], report: &Report, exact: f64) -> Result<(), TestCaseError> {
+    let volumes = mesh_of(faces).component_volumes(moved).expect("as many positions");
+    let told = report.skinned_volumes.iter().zip(&report.corrected_volumes);
+    for ((found, target), (skinned, told)) in volumes.iter().zip(&report.target_volumes).zip(told) {
+        prop_assert!(((found - told) / target).abs() < exact, "{found}, told {told}");
+        prop_assert!(skinned < &(0.25 * target) || ((told - target) / target).abs() < 1e-12, "{told} instead of {target} after {skinned}");
+    }
+    Ok(())
 }
 
 proptest! {
@@ -71,9 +82,7 @@ proptest! {
         let offsets: Vec<DVec3> = offsets.iter().map(|o| DVec3::from_array(o.map(f64::from))).collect();
         let skin = skinning(&faces.0, 3, mode).deform(&faces.0, &matrices, &object).expect("a sound pose");
         let moved: Vec<DVec3> = skin.iter().zip(&offsets).map(|(p, offset)| *p + *offset).collect();
-        for (found, target) in mesh_of(&faces).component_volumes(&moved).expect("as many positions").iter().zip(&report.target_volumes) {
-            prop_assert!(((found - target) / target).abs() < 1e-6, "{found} instead of {target}");
-        }
+        is_exact_or_told(&faces, &moved, &report, 1e-6)?;
         let most = offsets.iter().map(|offset| offset.length()).fold(0.0, f64::max);
         prop_assert!((most - report.max_displacement).abs() <= 1e-6 * most);
         prop_assert_eq!(offsets[faces.0.len() - 1], DVec3::ZERO);
@@ -97,9 +106,7 @@ proptest! {
         for ((found, plain), added) in skinned.iter().zip(&skin).zip(&added) {
             prop_assert!(found.distance(*plain + DVec3::from_array(added.map(f64::from))) < 1e-6);
         }
-        for (found, target) in mesh_of(&faces).component_volumes(&corrected).expect("as many positions").iter().zip(&report.target_volumes) {
-            prop_assert!(((found - target) / target).abs() < 1e-12, "{found} instead of {target}");
-        }
+        is_exact_or_told(&faces, &corrected, &report, 1e-12)?;
     }
 
     /// Where a cubic rises or falls throughout, its root is found, and is one.

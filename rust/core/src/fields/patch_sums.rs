@@ -24,11 +24,17 @@ pub(crate) struct Normals<'a> {
     pub directions: Rows<'a>,
     /// Mean area over the length of the gradient at rest.
     pub inverse_gradients: &'a [f32],
+    /// How much of each direction is the gradient's nevertheless, up to 1.
+    pub gradient_share: f32,
 }
 
 impl Normals<'_> {
     pub fn of(&self, slots: &Range<usize>) -> Self {
-        Self { directions: self.directions.map(|row| &row[slots.clone()]), inverse_gradients: &self.inverse_gradients[slots.clone()] }
+        Self {
+            directions: self.directions.map(|row| &row[slots.clone()]),
+            inverse_gradients: &self.inverse_gradients[slots.clone()],
+            ..*self
+        }
     }
 }
 
@@ -51,6 +57,9 @@ pub(crate) fn directions(
         None => dispatch!(Level::new(), simd => directions_by_lanes(simd, gradient, inverse_areas, directions, volumes, lengths)),
         Some(normals) => {
             dispatch!(Level::new(), simd => along_normals_by_lanes(simd, gradient, normals, inverse_areas, directions, volumes, lengths));
+            if normals.gradient_share > 0.0 {
+                mix_in_gradient(gradient, normals.gradient_share, inverse_areas, directions, volumes, lengths);
+            }
         }
     }
 }
@@ -75,6 +84,31 @@ fn directions_by_lanes<S: Simd>(
         let left = 2.0 * q / (1.0 + q * q);
         (dx[i], dy[i], dz[i]) = (x[i] * left, y[i] * left, z[i] * left);
         (volumes[i], lengths[i]) = (square * left, length * left);
+    }
+}
+
+/// What a patch adds by its directions, and what it would add if they were the gradient's, of the same lengths.
+pub(crate) fn added_and_most(gradient: Rows, volumes: &Row, lengths: &Row) -> [f64; 2] {
+    let [x, y, z] = gradient;
+    let (mut added, mut most) = (0.0, 0.0);
+    for (i, ((x, y), z)) in x.iter().zip(y).zip(z).enumerate() {
+        added += f64::from(volumes[i]);
+        most += f64::from((x * x + y * y + z * z).sqrt() * lengths[i]);
+    }
+    [added, most]
+}
+
+/// Takes a share of each direction from the gradient.
+fn mix_in_gradient(gradient: Rows, share: f32, inverse_areas: &[f32], directions: &mut [Row; 3], volumes: &mut Row, lengths: &mut Row) {
+    let [dx, dy, dz] = directions;
+    for (i, inverse_area) in inverse_areas.iter().enumerate() {
+        let g = gradient.map(|row| row[i]);
+        let q = (g[0] * g[0] + g[1] * g[1] + g[2] * g[2]).sqrt() * inverse_area;
+        let part = share * (2.0 * q / (1.0 + q * q));
+        let d = [dx[i], dy[i], dz[i]];
+        let d: [f32; 3] = std::array::from_fn(|axis| d[axis] * (1.0 - share) + g[axis] * part);
+        ([dx[i], dy[i], dz[i]], lengths[i]) = (d, (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt());
+        volumes[i] = g[0] * d[0] + g[1] * d[1] + g[2] * d[2];
     }
 }
 

@@ -16,7 +16,7 @@ mod twist;
 pub(crate) use anatomy::{Anatomy, Parts};
 
 /// 3x² − 2x³, held at its ends.
-fn smoothstep(x: f64) -> f64 {
+pub(crate) fn smoothstep(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
 }

@@ -130,6 +130,8 @@ pub(super) struct Fields {
     /// Of the jobs of each patch, and of the whole shell in each patch.
     pub capacities: Vec<Capacity>,
     pub wide_capacities: Vec<f64>,
+    /// Per patch, what it adds along its normals, and would add along its gradient.
+    pub evenness: Vec<[f64; 2]>,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -138,13 +140,16 @@ pub(super) struct JobField {
     pub field: Field,
 }
 
-/// Volume for the field of the whole shell, its capacity, its coefficient, and that of the residual's field.
+/// Volume for the field of the whole shell, its capacity, its coefficient, and that of the residual's field. Where fields are even:
+/// what normals and what the gradient would add, and how much of each direction is the gradient's.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ComponentField {
     pub wide: f64,
     pub wide_capacity: f64,
     pub wide_field: f64,
     pub wide_residual: f64,
+    pub evenness: [f64; 2],
+    pub gradient_share: f32,
 }
 
 /// What the fields do.
@@ -272,6 +277,7 @@ impl Solution {
                 profiled: vec![[0.0; LANES]; if has_profiles { supports.block_count() } else { 0 }],
                 capacities: vec![Capacity::default(); supports.jobs_of_patch.values().len()],
                 wide_capacities: vec![0.0; patches],
+                evenness: vec![[0.0; 2]; patches],
             },
             correction: Correction {
                 moves: vec![Move::default(); binding.patches.slot_count()],

@@ -4,7 +4,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::buffers::{Correction, Gradient};
+use super::buffers::{Correction, Fields, Gradient};
 use super::pass::Pass;
 use super::scratch::{Scratch, with_scratch};
 use super::{Bound, Problem, in_single_precision};
@@ -12,7 +12,7 @@ use crate::fields::patch_sums::{self, Move};
 
 impl Correction {
     /// Instead of all fields, in components that need it: one step along the direction in which most can be done.
-    pub(super) fn step_linearly(&mut self, problem: Problem, gradient: &Gradient, pass: Pass) {
+    pub(super) fn step_linearly(&mut self, problem: Problem, gradient: &Gradient, fields: &Fields, pass: Pass) {
         let Problem { bound: Bound { binding, .. }, targets, .. } = problem;
         let patches = &binding.patches;
         for (component, target) in targets.components.iter().enumerate() {
@@ -22,7 +22,7 @@ impl Correction {
             let mine = || patches.list.iter().enumerate().filter(|(_, patch)| patch.component as usize == component);
             let mut capacity = DMat3::ZERO;
             for (index, _) in mine() {
-                visit_directions(problem, gradient, index, |_, weight, slope, direction| {
+                visit_directions(problem, gradient, fields, index, |_, weight, slope, direction| {
                     capacity += DMat3::from_cols(direction * slope.x, direction * slope.y, direction * slope.z) * weight;
                 });
             }
@@ -30,7 +30,7 @@ impl Correction {
             let gap = if let Pass::Again(again) = pass { again.gaps[component] } else { target.target - target.skinned };
             let scale = in_single_precision(gap / (e.dot(capacity * e) * binding.area_unit));
             for (index, _) in mine() {
-                visit_directions(problem, gradient, index, |slot, weight, _, direction| {
+                visit_directions(problem, gradient, fields, index, |slot, weight, _, direction| {
                     let residual = (e * (direction.dot(e) * weight * scale)).as_vec3().extend(0.0).to_array();
                     let by = if let Pass::Again(again) = pass { again.moves[slot].by } else { [0.0; 4] };
                     self.moves[slot] = Move { by, residual };
@@ -46,12 +46,12 @@ impl Correction {
 }
 
 /// Slot, weight in the field of the whole shell, gradient and masked direction of each point of a patch.
-fn visit_directions(problem: Problem, gradient: &Gradient, index: usize, mut visit: impl FnMut(usize, f64, DVec3, DVec3)) {
+fn visit_directions(problem: Problem, gradient: &Gradient, fields: &Fields, index: usize, mut visit: impl FnMut(usize, f64, DVec3, DVec3)) {
     let Problem { bound: Bound { binding, .. }, mask, .. } = problem;
     let slots = binding.patches.list[index].start..binding.patches.slot_offsets[index + 1] as usize;
     let gradient = gradient.rows.each_ref().map(|row| &row[slots.clone()]);
     let areas = &binding.inverse_areas[slots.clone()];
-    let normals = problem.normals().map(|normals| normals.of(&slots));
+    let normals = problem.normals(&fields.components, index);
     with_scratch(|Scratch { fields: rows, .. }| {
         patch_sums::directions(gradient, normals, areas, &mut rows.directions, &mut rows.volumes, &mut rows.lengths);
         if let Some(mask) = mask {

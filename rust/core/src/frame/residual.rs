@@ -43,7 +43,7 @@ impl Solution {
             correction.find_steps(problem, fields, pass);
         }
         if correction.components.iter().any(|state| state.is_linear_only) {
-            correction.step_linearly(problem, gradient, pass);
+            correction.step_linearly(problem, gradient, fields, pass);
             correction.find_steps(problem, fields, pass);
         }
     }

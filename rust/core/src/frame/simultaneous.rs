@@ -19,6 +19,7 @@ impl Solution {
     pub(super) fn correct_simultaneously(&mut self, problem: Problem) {
         let Self { gradient, fields, correction } = self;
         correction.start();
+        fields.weigh_gradient(problem, gradient);
         fields.sum_capacities(problem, gradient, Pass::All);
         fields.solve(problem, &mut correction.jobs, Pass::All);
         fields.add(
@@ -46,7 +47,7 @@ impl Fields {
         let Problem { bound: Bound { binding, supports, settings }, mask, skinned, targets, .. } = problem;
         let (patches, jobs, sources) = (&binding.patches, &targets.jobs, &swept.sources);
         let (places, has_profiles) = (skinned.places.near.each_ref().map(|c| &**c), !self.profiled.is_empty());
-        let normals = problem.normals();
+        let components = &*self.components;
         let profile_offsets = if has_profiles { &supports.block_offsets } else { &patches.no_rows };
         for_each_piece(
             patches.list.len(),
@@ -68,7 +69,7 @@ impl Fields {
                     import_gradient(binding, index, sources, first, &mut gradient);
                     let gradient = gradient.map(|row| &*row);
                     let areas = &binding.inverse_areas[slots.clone()];
-                    patch_sums::directions(gradient, normals.map(|normals| normals.of(&slots)), areas, directions, volumes, lengths);
+                    patch_sums::directions(gradient, problem.normals(components, index), areas, directions, volumes, lengths);
                     if let Some(mask) = mask {
                         *unmasked = *volumes;
                         patch_sums::mask(&mask.of_slot[slots.clone()], directions, volumes, lengths);
@@ -158,7 +159,6 @@ impl Fields {
     ) {
         let Problem { bound: Bound { binding, supports, settings }, mask, skinned, targets, .. } = problem;
         let (patches, Correction { moves, components: outcomes, .. }) = (&binding.patches, correction);
-        let normals = problem.normals();
         let local = Some(&targets.local).filter(|local| local.is_used && matches!(pass, Pass::All | Pass::Shell));
         let (gradient, places) = (swept.rows.each_ref().map(|c| &**c), skinned.places.near.each_ref().map(|c| &**c));
         for_each_piece(patches.list.len(), Ragged::new(moves, &patches.slot_offsets), &|index, moves| {
@@ -172,7 +172,7 @@ impl Fields {
                 let areas = &binding.inverse_areas[slots.clone()];
                 let component = &self.components[patch.component as usize];
                 let Scratch { fields: FieldRows { directions, volumes, lengths, bell, .. }, sum, .. } = scratch;
-                patch_sums::directions(gradient, normals.map(|normals| normals.of(&slots)), areas, directions, volumes, lengths);
+                patch_sums::directions(gradient, problem.normals(&self.components, index), areas, directions, volumes, lengths);
                 if let Some(mask) = mask {
                     patch_sums::mask(&mask.of_slot[slots.clone()], directions, volumes, lengths);
                 }
@@ -214,7 +214,7 @@ impl JobOutcome {
 }
 
 /// Sums the parts of the gradient at the points that a patch shares.
-fn import_gradient(binding: &Binding, index: usize, sources: &[V4], sum: &mut Buffer, gradient: &mut [&mut [f32]; 3]) {
+pub(super) fn import_gradient(binding: &Binding, index: usize, sources: &[V4], sum: &mut Buffer, gradient: &mut [&mut [f32]; 3]) {
     let patches = &binding.patches;
     let patch = &patches.list[index];
     sum[..patch.shared].copy_from_slice(&sources[patches.source_offsets[index] as usize..][..patch.shared]);
