@@ -28,7 +28,7 @@ def add(target: bpy.types.Object) -> None:
     ours = stack.add_own_modifier(target, node_group.VOLUME, stack.place_for_new(target), show_in_editmode=shows)
     saved = target.turgor
     saved.version = DATA_VERSION
-    saved.flesh = 1.0
+    saved.flesh, saved.fields = 1.0, "EVEN"
     saved.bound_frame = bpy.context.scene.frame_current
     if armature is not None and not stack_proof.lane_of(target).is_evaluated:
         drivers.follow_armature(target, ours, armature)

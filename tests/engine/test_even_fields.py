@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -90,6 +91,24 @@ def test_exact_with_the_law_of_flesh(seed: int, mode: Mode):
     frame = rig.body(mode, joints, fields="even").deform(rig.random_pose(rng, 0.8))
     assert np.isfinite(frame.positions).all()
     assert frame.report.relative_error <= 1e-12
+
+
+@given(seeds, modes)
+def test_a_shell_that_skinning_turns_over(seed: int, mode: Mode):
+    """Weights that have nothing to do with the bones leave little of a small shell, or turn it inside out."""
+    rng = np.random.default_rng(seed)
+    surface = tube(rings=13, sides=10)
+    rig = chain(surface, 3)
+    surface = surface.moved(surface.positions * rng.uniform(0.05, 0.5) + rng.uniform(-3.0, 3.0, 3))
+    along = (surface.positions - surface.positions.mean(0)) / np.ptp(surface.positions, axis=0)
+    weights = 1.0 / (1.0 + np.exp(-8.0 * along @ rng.normal(size=(3, 3))))
+    bones = np.tile(np.arange(3, dtype=np.int32), (len(weights), 1))
+    rig = replace(rig, surface=surface, bones=bones, weights=weights / weights.sum(1, keepdims=True))
+    pose = rig.random_pose(rng, 2.5)
+    plain, even = (rig.body(mode, fields=fields).deform(pose) for fields in ("plain", "even"))
+    assert plain.report.relative_error <= 1e-12
+    assert even.report.relative_error <= 1e-12
+    assert np.isfinite(even.positions).all()
 
 
 @pytest.mark.parametrize("degrees", [0.0, 60.0, 120.0, 150.0])
