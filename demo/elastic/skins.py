@@ -19,11 +19,15 @@ def _preset(name: turgor.presets.PresetName) -> JointOf:
     return lambda bone: turgor.presets.joint(name, bone)
 
 
+# What Blender adds with the modifier: even fields, and a joint of these settings.
+ADDED = "as added"
+
 # How bones are blended, and the setting of each joint; None: the blend alone.
 SKINS: Mapping[str, tuple[str, JointOf | None]] = {
     "linear": ("linear", None),
     "dual quaternions": ("dual_quaternion", None),
     **{name: ("linear", _preset(name)) for name in turgor.presets.DEFAULT_SHARES},
+    ADDED: ("linear", _law("isotropic", crease=0.0)),
     "law": ("linear", _law()),
     "law, isotropic": ("linear", _law("isotropic")),
     "law, bony": ("linear", _law(outside=0.0)),
@@ -46,4 +50,4 @@ def skinned(data: Mapping[str, NDArray], weights: str, name: str) -> NDArray[np.
         return skinning.deform(rest, motions)
     mesh = turgor.Mesh(rest, data["face_offsets"], data["face_corners"])
     joints = [joint(bone) for bone in range(len(data["heads"]))]
-    return turgor.VolumeSkin(mesh, skinning, joints).deform(motions).positions
+    return turgor.VolumeSkin(mesh, skinning, joints, fields="even" if name.startswith(ADDED) else "plain").deform(motions).positions

@@ -19,6 +19,10 @@ KEYED = {
     "strength": (0.2, 1.0),
     "size": (0.6, 1.6),
     "shares": ((1.0, 0.0, 0.0), (0.2, 0.2, 0.6)),
+    "flesh": (0.0, 1.0),
+    "outside": (0.0, 1.0),
+    "spread_twist": (1.0, 0.0),
+    "crease": (0.0, 1.0),
 }
 
 
@@ -28,7 +32,7 @@ def _character() -> tuple[bpy.types.Object, bpy.types.PropertyGroup]:
     joint = ob.turgor.joints[BONE]
     joint.preset = "MUSCLE"
     joint.blend_mode, joint.second.preset = "VALUE", "RUBBER"
-    joint.use_auto_shares = False
+    joint.use_auto_shares = joint.use_auto_outside = False
     return ob, joint
 
 
