@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from time import perf_counter
 from typing import NamedTuple
 
@@ -76,12 +76,12 @@ def timed(runner: Runner, character: Character, turn_count: int) -> Times:
     return Times(min(armature_times), min(engine_times), min(frames), min(live_frames))
 
 
-def frame_durations() -> Iterator[float]:
+def frame_durations(seconds: Callable[[], float] = perf_counter) -> Iterator[float]:
     """Milliseconds of frames all over the animation; the first, after a change of modifiers, is not counted."""
     scene = bpy.context.scene
     frame_count = scene.frame_end - scene.frame_start
     for index in range(FRAME_COUNT + 1):
-        start = perf_counter()
+        start = seconds()
         scene.frame_set(scene.frame_start + index * STEP % frame_count)
         if index > 0:
-            yield 1000.0 * (perf_counter() - start)
+            yield 1000.0 * (seconds() - start)

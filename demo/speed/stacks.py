@@ -13,11 +13,10 @@ import numpy as np
 from blend_fixtures.character import Character
 
 from ..live import extension_module, must_turn_on, quiet, volume_modifier
+from .race import STEP, frame_durations
 from .runners import LARGE, SMALL, tube
 
 BONE_COUNT = 17
-FRAME_COUNT = 12
-STEP = 7
 ROW = "{:<28}{:>9}{:>9}{:>13}{:>7}{:>9}{:>7}{:>9}"
 HEADER = ("stack", "vertices", "alone", "uncorrected", "ratio", "frame", "ratio", "first")
 # Evaluating a stack of a large mesh takes long.
@@ -111,23 +110,12 @@ def timed(stack: Stack, body: bpy.types.Object, turn_count: int) -> Times:
     for _ in range(turn_count):
         ours.show_viewport = False
         with quiet():
-            alone += frame_durations()
+            alone += frame_durations(process_time)
         ours.show_viewport = True
         with idle_engine():
-            bare += frame_durations()
-        whole += frame_durations()
+            bare += frame_durations(process_time)
+        whole += frame_durations(process_time)
     return Times(min(alone), min(bare), min(whole), first)
-
-
-def frame_durations() -> Iterator[float]:
-    """Milliseconds of the processor for frames all over the animation; the first is not counted."""
-    scene = bpy.context.scene
-    frame_count = scene.frame_end - scene.frame_start
-    for index in range(FRAME_COUNT + 1):
-        start = process_time()
-        scene.frame_set(scene.frame_start + index * STEP % frame_count)
-        if index > 0:
-            yield 1000.0 * (process_time() - start)
 
 
 @contextmanager
