@@ -26,6 +26,19 @@ def _show(joint: "TurgorJoint", context: bpy.types.Context) -> None:
     ProfileHooks.on_shown(joint.shown)
 
 
+def _factor(name: str, description: str, default: float) -> object:
+    return FloatProperty(
+        name=name,
+        description=description,
+        default=default,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=tag,
+        override=OVERRIDABLE,
+    )
+
+
 class TurgorJoint(ProfileSet, bpy.types.PropertyGroup):
     """How one joint gives volume back."""
 
@@ -50,16 +63,11 @@ class TurgorJoint(ProfileSet, bpy.types.PropertyGroup):
         update=tag,
         override=OVERRIDABLE,
     )
-    flesh: FloatProperty(
-        name="Flesh",
-        description="How far this joint follows the flesh of the character: twists turn the skin along the bone, a bend"
+    flesh: _factor(
+        "Flesh",
+        "How far this joint follows the flesh of the character: twists turn the skin along the bone, a bend"
         " shifts it to its inside",
         default=1.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        update=tag,
-        override=OVERRIDABLE,
     )
     use_auto_outside: BoolProperty(
         name="Auto",
@@ -69,35 +77,20 @@ class TurgorJoint(ProfileSet, bpy.types.PropertyGroup):
         override=OVERRIDABLE,
         options=set(),
     )
-    outside: FloatProperty(
-        name="Soft",
-        description="The outside of a bend: 0 where bone lies under the skin, an elbow, 1 where flesh is soft",
+    outside: _factor(
+        "Soft",
+        "The outside of a bend: 0 where bone lies under the skin, an elbow, 1 where flesh is soft",
         default=1.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        update=tag,
-        override=OVERRIDABLE,
     )
-    spread_twist: FloatProperty(
-        name="Spread Twist",
-        description="How far a twist is spread along the whole bone, as in a forearm. 0: it stays where weights blend",
+    spread_twist: _factor(
+        "Spread Twist",
+        "How far a twist is spread along the whole bone, as in a forearm. 0: it stays where weights blend",
         default=1.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        update=tag,
-        override=OVERRIDABLE,
     )
-    crease: FloatProperty(
-        name="Crease",
-        description="How far the inside of a bend closes on the plane that halves it instead of passing through itself",
+    crease: _factor(
+        "Crease",
+        "How far the inside of a bend closes on the plane that halves it instead of passing through itself",
         default=0.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        update=tag,
-        override=OVERRIDABLE,
     )
     mute: BoolProperty(
         name="Mute",
