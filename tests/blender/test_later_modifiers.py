@@ -203,8 +203,9 @@ def test_a_pose_that_is_not_keyed_is_told_or_nothing_is(runtime):
     ob, rig = character()
     _smooth(ob)
     add_turgor(ob)
-    bpy.context.scene.frame_set(1)
-    rig.pose.bones["Bone1"].rotation_euler.x = 1.0
+    bpy.context.scene.frame_set(FRAME)
+    assert _found(runtime, ob)["Smooth"]
+    rig.pose.bones["Bone1"].rotation_euler.x += 0.3
     bpy.context.view_layer.update()
     assert _found(runtime, ob) == {}
     rig.animation_data_clear()
