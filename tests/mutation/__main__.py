@@ -22,7 +22,11 @@ def _listed(parts: list[str]) -> int:
     if not scratch.build():
         print("the engine does not compile as it is")
         return 2
-    survivors = sum(not _is_killed(scratch, line) for line in chosen)
+    # Tests that fail over sound lines notice nothing.
+    failing = {tests for tests in dict.fromkeys(line.tests for line in chosen) if not scratch.passes(tests)}
+    survivors = sum(line.tests in failing or not _is_killed(scratch, line) for line in chosen)
+    for tests in failing:
+        print(f"{'FAIL UNBROKEN':16}  {' '.join(tests)}")
     print(f"{len(chosen)} broken, {survivors} unnoticed")
     return int(survivors > 0)
 
@@ -50,6 +54,9 @@ def _missed(folder: Path, tests: list[str]) -> int:
     scratch = Scratch()
     if not scratch.build():
         print("the engine does not compile as it is")
+        return 2
+    if not scratch.passes(tuple(tests)):
+        print("the tests fail over sound lines")
         return 2
     mutants = read_missed(folder)
     survivors = 0
