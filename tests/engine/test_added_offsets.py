@@ -8,7 +8,7 @@ import turgor
 from hypothesis import given
 from hypothesis import strategies as st
 from reference_volume import mean_of_fans
-from rigs import Mode, limb
+from rigs import Mode, chain, limb
 from surfaces import tube
 from test_exactness import EXACT, assert_exact
 
@@ -48,6 +48,25 @@ def test_adding_nothing_changes_nothing(mode: Mode):
     # Nor is anything remembered.
     body.deform(pose, added_offsets=_smooth_offsets(rig.surface.positions, np.random.default_rng(1), 0.2))
     assert (body.deform(pose).positions == plain.positions).all()
+
+
+@given(seeds, modes, solvers)
+def test_coincident_vertices_are_one_point_that_moves_by_the_mean_of_theirs(seed: int, mode: Mode, solver):
+    """Along every edge of faces that share no vertex, as if they did."""
+    rng = np.random.default_rng(seed)
+    whole = tube(rings=17, sides=8).roughened(rng, 0.05)
+    corners = whole.face_corners
+    added = rng.normal(scale=0.02, size=(len(corners), 3)).astype(np.float32)
+    mean = np.zeros_like(whole.positions)
+    np.add.at(mean, corners, added)
+    mean /= np.bincount(corners)[:, None]
+    welded, apart = chain(whole, 3), chain(whole.split_apart(), 3)
+    pose = welded.random_pose(rng, 0.7)
+    one = welded.body(mode, solver=solver).deform(pose, added_offsets=mean.astype(np.float32))
+    other = apart.body(mode, solver=solver).deform(pose, added_offsets=added)
+    assert other.report.skinned_volumes == pytest.approx(one.report.skinned_volumes, rel=1e-6)
+    assert mean_of_fans(whole, one.skinned) == pytest.approx(one.report.skinned_volumes.sum(), rel=EXACT)
+    np.testing.assert_allclose(other.offsets, one.offsets[corners], atol=1e-5)
 
 
 def test_without_bones_the_whole_skin_gives_back():

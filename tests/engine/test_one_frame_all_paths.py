@@ -79,6 +79,8 @@ def test_all_paths_give_the_same_bits(seed: int, surface: Surface, mode: Mode, s
         own = {name: values[row] for name, values in options.items()} | {"repair_folds": folds}
         frame = body.deform(pose, **own)
         assert np.array_equal(many[row], (frame.skinned + effect[row] * frame.offsets.astype(float)).astype("f4"))
+        farthest = np.linalg.norm(frame.offsets.astype(float), axis=1).max(initial=0.0)
+        assert frame.report.max_displacement == pytest.approx(farthest, rel=1e-6)
         room, raw = np.full((2, count, 3), np.nan, np.float32)
         assert body.deform_into(room, pose, **own).max_displacement == frame.report.max_displacement
         body.deform_into_address(raw.ctypes.data, count, pose, **own)

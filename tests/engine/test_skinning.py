@@ -24,6 +24,16 @@ def test_random_poses(seed: int, mode: Mode):
 
 
 @given(seeds, modes)
+def test_frames_are_skinned_so_too_however_far_bones_turn(seed: int, mode: Mode):
+    """Beyond half a turn dual quaternions are blended the other way around."""
+    rng = np.random.default_rng(seed)
+    rig = limb(bone_count=5)
+    pose = rig.random_pose(rng, np.pi, shift=0.2)
+    expected = REFERENCES[mode](rig, rig.surface.positions, pose)
+    np.testing.assert_allclose(rig.body(mode).deform(pose).skinned, expected, atol=1e-9)
+
+
+@given(seeds, modes)
 def test_bone_scale(seed: int, mode: Mode):
     rng = np.random.default_rng(seed)
     rig = limb(bone_count=4)
