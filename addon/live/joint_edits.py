@@ -6,13 +6,11 @@ from collections.abc import Sequence
 
 import bpy
 
-from ..properties.joint import TurgorJoint
+from ..properties.joint import SETTINGS, TurgorJoint
 from ..properties.joint_names import flipped
 from ..properties.selected_joints import edited_joints
+from ..scene.settings import preset_of_new
 from . import profiles
-
-# What a joint has besides its sets of profiles; which joints are heard or edited is not a matter of their shape.
-SETTINGS = ("strength", "size", "blend_mode", "blend", "fold_loss")
 
 
 def copy(source: TurgorJoint, joint: TurgorJoint) -> None:
@@ -55,9 +53,8 @@ def mirror(target: bpy.types.Object) -> tuple[int, list[str]]:
 def reset(joints: Sequence[TurgorJoint]) -> None:
     """Give the joints the settings that a new joint has."""
     for joint in joints:
-        for profile_set in (joint.second, joint):
-            profile_set.preset = "ISOTROPIC"
-            profile_set.use_auto_shares = True
+        joint.second.preset, joint.preset = "ISOTROPIC", preset_of_new(joint.id_data)
+        joint.second.use_auto_shares = joint.use_auto_shares = True
         for name in (*SETTINGS, "mute", "is_solo"):
             setattr(joint, name, _default(joint, name))
 

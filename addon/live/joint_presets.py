@@ -10,30 +10,15 @@ from ..logic import joint_preset, profile_picture
 from ..logic import profiles as presets
 from ..logic.joint_preset import Curve, JointPreset, PresetError, Profiles
 from ..messages import message
-from ..properties.joint import TurgorJoint
+from ..properties.joint import SETTINGS, TurgorJoint
 from ..properties.profiles import ProfileSet
 from ..scene import curves
-
-_FLESH = ("flesh", "use_auto_outside", "outside", "spread_twist", "crease")
 
 
 def text_of(joint: TurgorJoint) -> str:
     """All settings and curves of a joint."""
-    preset = JointPreset(
-        joint.strength,
-        joint.size,
-        joint.blend_mode,
-        joint.blend,
-        joint.fold_loss,
-        joint.flesh,
-        joint.use_auto_outside,
-        joint.outside,
-        joint.spread_twist,
-        joint.crease,
-        _read(joint),
-        _read(joint.second),
-    )
-    return joint_preset.to_text(preset)
+    settings = {name: getattr(joint, name) for name in SETTINGS}
+    return joint_preset.to_text(JointPreset(**settings, first=_read(joint), second=_read(joint.second)))
 
 
 def picture_of(joint: TurgorJoint) -> NDArray[np.float32]:
@@ -51,7 +36,7 @@ def apply(text: str, joints: list[TurgorJoint]) -> None:
         _write(joint, preset.first)
         _write(joint.second, preset.second)
         # After the presets: Belly brings a blend of its own.
-        for name in (*_FLESH, "strength", "size", "blend_mode", "blend", "fold_loss"):
+        for name in SETTINGS:
             setattr(joint, name, getattr(preset, name))
 
 

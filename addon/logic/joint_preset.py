@@ -93,7 +93,7 @@ def from_text(text: str) -> JointPreset:
         bool(fields.get("use_auto_outside", True)),
         _number({"outside": 1.0, **fields}, "outside", 0.0, 1.0),
         _number({"spread_twist": 1.0, **fields}, "spread_twist", 0.0, 1.0),
-        _number({"crease": 0.0, **fields}, "crease", 0.0, 1.0),
+        _number({"crease": 0.7, **fields}, "crease", 0.0, 1.0),
         _profiles(fields, "first"),
         _profiles(fields, "second"),
     )

@@ -15,6 +15,20 @@ BLENDS = (
 # By the number that Blender stores.
 BLEND_NAMES = tuple(name for name, *_ in BLENDS)
 
+# All of a joint but its sets of profiles, and whether it is heard or edited: what is copied, mirrored and shared.
+SETTINGS = (
+    "strength",
+    "size",
+    "blend_mode",
+    "blend",
+    "fold_loss",
+    "flesh",
+    "use_auto_outside",
+    "outside",
+    "spread_twist",
+    "crease",
+)
+
 SETS = (
     ("FIRST", "First", "Show the first set of profile curves"),
     ("SECOND", "Second", "Show the second set of profile curves"),
@@ -90,7 +104,7 @@ class TurgorJoint(ProfileSet, bpy.types.PropertyGroup):
     crease: _factor(
         "Crease",
         "How far the inside of a bend closes on the plane that halves it instead of passing through itself",
-        default=0.0,
+        default=0.7,
     )
     mute: BoolProperty(
         name="Mute",

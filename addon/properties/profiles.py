@@ -18,6 +18,7 @@ PRESETS = (
     ("CUSTOM", "Custom", "Profile curves of your own, starting from the preset chosen before", "NONE", 5),
 )
 PRESET_NAMES = {number: name for name, *_, number in PRESETS}
+PRESET_NUMBERS = {name: number for number, name in PRESET_NAMES.items()}
 
 
 class ProfileHooks:

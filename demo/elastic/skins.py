@@ -27,7 +27,7 @@ SKINS: Mapping[str, tuple[str, JointOf | None]] = {
     "linear": ("linear", None),
     "dual quaternions": ("dual_quaternion", None),
     **{name: ("linear", _preset(name)) for name in turgor.presets.DEFAULT_SHARES},
-    ADDED: ("linear", _law("isotropic", crease=0.0)),
+    ADDED: ("linear", _law(crease=0.7)),
     "law": ("linear", _law()),
     "law, isotropic": ("linear", _law("isotropic")),
     "law, bony": ("linear", _law(outside=0.0)),
@@ -50,4 +50,5 @@ def skinned(data: Mapping[str, NDArray], weights: str, name: str) -> NDArray[np.
         return skinning.deform(rest, motions)
     mesh = turgor.Mesh(rest, data["face_offsets"], data["face_corners"])
     joints = [joint(bone) for bone in range(len(data["heads"]))]
-    return turgor.VolumeSkin(mesh, skinning, joints, fields="even" if name.startswith(ADDED) else "plain").deform(motions).positions
+    fields = "even" if name == ADDED else "plain"
+    return turgor.VolumeSkin(mesh, skinning, joints, fields=fields).deform(motions).positions

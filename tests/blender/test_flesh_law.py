@@ -15,7 +15,7 @@ BONES = 3
 
 
 def _twisted(degrees: float) -> tuple[bpy.types.Object, float]:
-    """A finely divided limb whose middle bone turns about itself from frame 1 to 20, where it stands; its volume at rest."""
+    """A fine limb whose middle bone turns about itself from frame 1 to 20, where it stands; its volume at rest."""
     armature = rig()
     ob = place("Limb", tube_mesh(rings=81, segments=16), armature)
     weigh(ob, BONES)

@@ -180,7 +180,7 @@ impl Binding {
     /// What even fields push along, per slot; see `even_normals`.
     pub fn normals(&self) -> &EvenNormals {
         self.normals.get_or_init(|| {
-            let lengths = automatic_lengths(&self.motions.tree, &self.sites, &self.sites_in_armature());
+            let lengths = automatic_lengths(&self.motions.tree, &self.sites, &self.sites_in_armature(), Fields::Even);
             let to_rest = self.armature_from_rest.inverse().matrix3;
             let areas = (self.area_unit, &*self.inverse_areas);
             even_normals(&self.faces_of_slots(), &self.slots_in_armature(), areas, &self.sites, &lengths, &to_rest)

@@ -3,12 +3,11 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use crate::fields::joint::{Joint, Shares};
+use crate::fields::supports::Supports;
 use crate::skinning::motions::Motions;
 
 /// Sine of the bend at which half of the volume follows the joint's frame, half needs none.
 const FRAME_BEND: f64 = 0.2;
-/// Largest displacement by one field, in joint lengths: beyond it the volume goes to a wider field.
-const DISPLACEMENT_MAX: f64 = 0.08;
 /// Steepest slope of a displacement along the limb: folds finer than they are high would be teeth.
 const SLOPE_MAX: f64 = 0.8;
 /// An axis, or a profile, whose capacity is below this part of the whole one hands its share over, smoothly.
@@ -20,8 +19,6 @@ const SHELL_PART_MIN: f64 = 1e-9;
 const FREE_PART_MIN: f64 = 0.05;
 /// Losses below this part of the vicinity's volume are rounding.
 const ROUNDING: f64 = 1e-9;
-/// Volume of a joint's vicinity over its length cubed: what a loss is compared with to fold.
-const VICINITY_VOLUME: f64 = 0.1;
 
 /// How one joint's field lies in space in one frame.
 #[derive(Debug, Clone, Copy, Default)]
@@ -30,6 +27,8 @@ pub(crate) struct FieldFrame {
     /// e0, e1, e2.
     pub axes: [DVec3; 3],
     pub inverse_length: f64,
+    /// One over the volume of the joint's vicinity.
+    inverse_volume: f64,
     /// Part of the volume that goes along the axes.
     pub frame_part: f64,
     /// How that part is shared.
@@ -42,14 +41,15 @@ pub(crate) struct FieldFrame {
 
 impl FieldFrame {
     /// The frame of a joint in this pose; `volume` is what it is to give back.
-    pub fn new(motions: &Motions, joint: usize, settings: &Joint, length: f64, volume: f64) -> Self {
-        let tree = &motions.tree;
+    pub fn new(motions: &Motions, joint: usize, settings: &Joint, supports: &Supports, volume: f64) -> Self {
+        let (tree, extents) = (&motions.tree, supports.extents);
         let parent = motions.channels[tree.parents[joint] as usize];
-        let length = length * parent.matrix3.determinant().abs().cbrt();
+        let length = supports.lengths[joint] * parent.matrix3.determinant().abs().cbrt();
         let mut frame = Self {
             origin: motions.channels[joint].transform_point3(tree.heads[joint]) - motions.palette.origin,
             inverse_length: 1.0 / length,
-            displacement_max: DISPLACEMENT_MAX * length,
+            inverse_volume: (extents.vicinity_volume * length.powi(3)).recip(),
+            displacement_max: extents.displacement_max * length,
             is_active: volume != 0.0 && length > 0.0 && length.is_finite(),
             shares: settings.shares,
             ..Self::default()
@@ -61,7 +61,7 @@ impl FieldFrame {
         if let Some(profiles) = &settings.profiles {
             let mut steepness = profiles.axes[0].steepness();
             if let Some((folded, loss)) = &profiles.folded {
-                frame.folded = (volume.abs() / (loss * VICINITY_VOLUME * length.powi(3))).min(1.0);
+                frame.folded = (frame.relative(volume) / loss).min(1.0);
                 steepness += (folded[0].steepness() - steepness) * frame.folded;
             }
             frame.displacement_max = frame.displacement_max.min(SLOPE_MAX / steepness.max(SLOPE_MAX) * length);
@@ -109,7 +109,7 @@ impl FieldFrame {
 
     /// A volume over that of the joint's vicinity.
     pub fn relative(&self, volume: f64) -> f64 {
-        volume.abs() * self.inverse_length.powi(3) / VICINITY_VOLUME
+        volume.abs() * self.inverse_volume
     }
 
     /// How far folds have set in, 0..1.
@@ -188,7 +188,7 @@ impl Field {
     fn shaped(frame: &FieldFrame, capacity: &Capacity, shell: f64, volume: f64) -> Self {
         let mut field = Self { shaped: DMat3::ZERO, ..Self::default() };
         let free = capacity.free_part();
-        let is_rounding = volume.abs() * frame.inverse_length.powi(3) <= ROUNDING * VICINITY_VOLUME;
+        let is_rounding = frame.relative(volume) <= ROUNDING;
         let is_masked = capacity.all < capacity.unmasked && shell > 0.0 && !is_rounding;
         let trust = |part: f64, whole: f64| part * part / (part * part + (HOLD_MIN * whole).powi(2));
         let total: f64 = capacity.along.iter().sum();

@@ -1,6 +1,7 @@
 //! Where volume comes back: joints and their profiles, who may move what, and the displacements [MATH §2, §4].
 
 pub(crate) mod bare_correction;
+pub(crate) mod extents;
 pub(crate) mod field;
 pub(crate) mod joint;
 pub(crate) mod normals;

@@ -12,7 +12,7 @@ use crate::surface::laplacian::Laplacian;
 use crate::surface::sweeps::{GRADIENT_PARTS, mean_and_cross, polygon_gradient};
 
 /// Over which length, in lengths of the joints a point follows.
-const LENGTH: f64 = 0.08;
+const LENGTH: f64 = 0.05;
 /// Part of a point's own normal that is always left: the two sides of a thin edge would leave nothing.
 const OWN: f64 = 0.02;
 

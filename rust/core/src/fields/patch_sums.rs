@@ -44,7 +44,7 @@ impl Normals<'_> {
 /// With q = |g|/A, 1 on skin as at rest, 2q/(1 + q²) of it is left: at most twice as far, and hardly at all in a crease.
 /// Also the volume each direction adds by its length, and the length.
 ///
-/// Along `normals` where there are any, with q against the gradient at rest: one way, and as far, for all of a navel.
+/// Along `normals` where there are any, by 2A/(q + 1/q) with q against the gradient at rest: one way, and as far, for all of a navel.
 pub(crate) fn directions(
     gradient: Rows,
     normals: Option<Normals>,
@@ -131,8 +131,9 @@ fn along_normals_by_lanes<S: Simd>(
     for i in 0..count {
         let square = (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]) * (inverse_gradients[i] * inverse_gradients[i]);
         let area = if inverse_areas[i] > 0.0 { inverse_areas[i].recip() } else { 0.0 };
-        // As 2q²/(1 + q²), which is no number where q² is none.
-        lengths[i] = area * (2.0 / (1.0 + square.recip()));
+        let q = square.sqrt();
+        // Not 2q/(1 + q²), which is no number where q² is none.
+        lengths[i] = area * (2.0 / (q + q.recip()));
         (dx[i], dy[i], dz[i]) = (nx[i] * lengths[i], ny[i] * lengths[i], nz[i] * lengths[i]);
         volumes[i] = x[i] * dx[i] + y[i] * dy[i] + z[i] * dz[i];
     }

@@ -7,8 +7,8 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use crate::fields::extents::Extents;
 use crate::fields::joint::{Fields, Joint};
-use crate::fields::profile::BELL_WIDTH;
 use crate::numeric::block_rows::{Block, BlockRows, LANES, Present};
 use crate::numeric::csr::Csr;
 use crate::skinning::joint_tree::JointTree;
@@ -16,13 +16,6 @@ use crate::skinning::sites::Sites;
 use crate::surface::patches::Patches;
 use crate::volume_losses::job::{Job, find_job};
 
-/// Reach at rest, in joint lengths.
-const REACH: f64 = 1.25;
-const EVEN_REACH: f64 = 1.5;
-/// A joint is at least this many times as long as the skin that blends at it is far from it, so that bells reach the skin…
-const LENGTH_MIN: f64 = 1.0 / BELL_WIDTH;
-/// …and at most this many times, so that a correction stays at its joint on long thin limbs.
-const LENGTH_MAX: f64 = 2.0 * LENGTH_MIN;
 /// Skin with less weight than this is not of the joint: stray weights would only make supports larger.
 const STRAY_WEIGHT: f64 = 0.02;
 
@@ -39,6 +32,7 @@ pub(crate) struct Supports {
     pub heirs: Vec<Option<u32>>,
     /// Length of each joint, armature space: the unit of its profiles. 0: no extent, no support.
     pub lengths: Vec<f64>,
+    pub extents: &'static Extents,
     /// Whether fields are even: see `Fields`.
     pub is_even: bool,
 }
@@ -78,8 +72,8 @@ impl Supports {
         (settings, fields): (&[Joint], Fields),
     ) -> Self {
         let is_even = fields == Fields::Even;
-        let reach = if is_even { EVEN_REACH } else { REACH };
-        let lengths: Vec<f64> = automatic_lengths(tree, sites, rest).iter().zip(settings).map(|(l, s)| l * s.size).collect();
+        let extents = fields.extents();
+        let lengths: Vec<f64> = automatic_lengths(tree, sites, rest, fields).iter().zip(settings).map(|(l, s)| l * s.size).collect();
         let vicinities = tree.vicinities();
         let mut jobs_of_patch = Csr::default();
         let mut block_offsets = vec![0];
@@ -102,13 +96,13 @@ impl Supports {
                 near.sort_by_key(|n| n.0);
                 for same in near.chunk_by(|a, b| a.0 == b.0) {
                     let joint = same[0].0;
-                    let distance = rest_place.distance(tree.heads[joint]) / (reach * lengths[joint]);
+                    let distance = rest_place.distance(tree.heads[joint]) / (extents.reach * lengths[joint]);
                     let belongs = (same.iter().map(|n| n.1).sum::<f64>() - STRAY_WEIGHT) / (1.0 - STRAY_WEIGHT);
                     if distance >= 1.0 || distance.is_nan() || belongs <= 0.0 {
                         continue;
                     }
                     let belongs = belongs.min(1.0);
-                    let near = if is_even { even_nearness(distance) } else { (1.0 - distance * distance).powi(2) };
+                    let near = if is_even { even_nearness(distance, extents.reach) } else { (1.0 - distance * distance).powi(2) };
                     let vicinity = belongs * belongs * (3.0 - 2.0 * belongs) * near;
                     let weight = vicinity as f32 * inverse_areas[slot];
                     let Some(job) = find_job(jobs, joint, patch.component) else { continue };
@@ -135,7 +129,7 @@ impl Supports {
             .iter()
             .map(|job| tree.chain(job.joint as usize).filter_map(|j| find_job(jobs, j, job.component)).find(|&j| has_hold[j as usize]))
             .collect();
-        Self { jobs_of_patch, block_offsets, weights, heirs, lengths, is_even }
+        Self { jobs_of_patch, block_offsets, weights, heirs, lengths, extents, is_even }
     }
 
     /// Weights of the jobs that have any in a patch.
@@ -162,13 +156,14 @@ impl Supports {
 }
 
 /// Nearness to a joint, by distance over reach: 1 as far as its profiles are drawn, so that they act as they are drawn.
-fn even_nearness(distance: f64) -> f64 {
-    let beyond = ((distance * EVEN_REACH - 1.0) / (EVEN_REACH - 1.0)).clamp(0.0, 1.0);
+fn even_nearness(distance: f64, reach: f64) -> f64 {
+    let beyond = ((distance * reach - 1.0) / (reach - 1.0)).clamp(0.0, 1.0);
     1.0 - beyond * beyond * (3.0 - 2.0 * beyond)
 }
 
 /// The bone's length, kept between bounds by how far from the joint the skin lies that blends there.
-pub(crate) fn automatic_lengths(tree: &JointTree, sites: &Sites, rest: &[DVec3]) -> Vec<f64> {
+pub(crate) fn automatic_lengths(tree: &JointTree, sites: &Sites, rest: &[DVec3], fields: Fields) -> Vec<f64> {
+    let [least, most] = fields.extents().radii;
     let mut sums = vec![(0.0, 0.0); tree.len()];
     let mut below: Vec<(usize, f64)> = Vec::new();
     for (site, &p) in rest.iter().enumerate() {
@@ -197,9 +192,9 @@ pub(crate) fn automatic_lengths(tree: &JointTree, sites: &Sites, rest: &[DVec3])
             let (sum, weight) = sums[joint];
             let radius = if weight > 1e-9 { sum / weight } else { 0.0 };
             match bone_length {
-                Some(length) if radius > 0.0 => length.clamp(LENGTH_MIN * radius, LENGTH_MAX * radius),
+                Some(length) if radius > 0.0 => length.clamp(least * radius, most * radius),
                 Some(length) => length,
-                None => LENGTH_MIN * radius,
+                None => least * radius,
             }
         })
         .collect()

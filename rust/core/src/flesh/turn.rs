@@ -19,8 +19,9 @@ const ANGLE_MIN: f64 = 1e-7;
 const INSIDE: f64 = 0.45;
 const OUTSIDE: f64 = 0.16;
 const OUTSIDE_END: f64 = 2.0 * PI / 3.0;
-/// Growth across, at a bend of 180°.
+/// Growth across, over 1 − cos of half a bend, and the bend up to which it grows: beyond it the limbs have met.
 const WIDER: f64 = 0.5;
+const WIDER_END: f64 = 7.0 * PI / 12.0;
 /// A joint that lies so far out of its section's middle, as a part of its reach, has bone right under the outer skin.
 const BONY: f64 = 0.4;
 
@@ -140,7 +141,7 @@ impl Bend {
             sides: inverse,
             to_inside: INSIDE * sine * (sides[0] / limb.radius).min(1.0) * amount,
             from_outside: OUTSIDE * softness * (1.5 * angle.min(OUTSIDE_END)).sin() * amount,
-            wider: WIDER * (1.0 - (0.5 * angle).cos()) * amount,
+            wider: WIDER * (1.0 - (0.5 * angle.min(WIDER_END)).cos()) * amount,
             crease: if limb.runs_on { settings.crease * amount } else { 0.0 },
         }
     }

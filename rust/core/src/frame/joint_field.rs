@@ -35,7 +35,7 @@ impl Workspace {
 impl Problem<'_> {
     fn joint_field(self, posed: &Posed, joint: usize) -> JointField {
         let Bound { binding, supports, settings } = self.bound;
-        let mut frame = FieldFrame::new(&posed.motions, joint, &settings[joint], supports.lengths[joint], 0.0);
+        let mut frame = FieldFrame::new(&posed.motions, joint, &settings[joint], supports, 0.0);
         (frame.axes, frame.frame_part) = match axes_of_bend(&posed.motions, joint) {
             (_, 0.0) => (axes_of_no_bend(&posed.motions, joint), 0.0),
             bent => bent,

@@ -97,7 +97,7 @@ impl Targets {
         for (index, job) in binding.plan.jobs.iter().enumerate() {
             let joint = job.joint as usize;
             let volume = self.jobs[index].volume;
-            let mut frame = FieldFrame::new(&posed.motions, joint, &settings[joint], supports.lengths[joint], volume);
+            let mut frame = FieldFrame::new(&posed.motions, joint, &settings[joint], supports, volume);
             flesh::halve(flesh, binding, posed, joint, &mut frame);
             self.jobs[index].frame = frame;
         }
