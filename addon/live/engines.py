@@ -71,6 +71,7 @@ def _joints(target: bpy.types.Object, saved: settings.BodySettings, bound: Volum
     rows = joint_names.rows_of(bound.bones, bound.body.joint_bones)
     arrays, tables = saved.joints, bound.curves.tables
     strengths = joints.effective_strengths(arrays.strengths, arrays.is_muted, arrays.is_solo)
+    flexes = joints.effective_strengths(arrays.flexes, arrays.is_muted, arrays.is_solo)
     flesh = saved.flesh * arrays.flesh
     found = []
     for place, name in enumerate(settings.joint_names(target)):
@@ -88,6 +89,7 @@ def _joints(target: bpy.types.Object, saved: settings.BodySettings, bound: Volum
             rows[name][0],
             float(strengths[place]),
             float(arrays.sizes[place]),
+            float(flexes[place]),
             first,
             None if second is None else _second(second, tables.get((place, True))),
             float(arrays.blends[place]) if by_value else None,

@@ -46,6 +46,7 @@ class JointPreset(NamedTuple):
 
     strength: float
     size: float
+    flex: float
     blend_mode: str
     blend: float
     fold_loss: float
@@ -85,10 +86,11 @@ def from_text(text: str) -> JointPreset:
     return JointPreset(
         _number(fields, "strength", 0.0),
         _number(fields, "size", 0.0),
+        _number({"flex": 0.0, **fields}, "flex", 0.0),
         _word(fields, "blend_mode"),
         _number(fields, "blend", 0.0, 1.0),
         _number(fields, "fold_loss", 0.0),
-        # Presets of before have none of these.
+        # Presets of before have none of these, nor flex.
         _number({"flesh": 1.0, **fields}, "flesh", 0.0, 1.0),
         bool(fields.get("use_auto_outside", True)),
         _number({"outside": 1.0, **fields}, "outside", 0.0, 1.0),

@@ -27,6 +27,7 @@ class JointSettings(NamedTuple):
     bone: int
     strength: float
     size: float
+    flex: float
     first: Profiles
     second: Profiles | None  # None: no blend
     blend: float | None  # part of the second set; None: as the joint loses volume
@@ -54,6 +55,7 @@ def engine_joint(joint: JointSettings) -> turgor.Joint:
         tables,
         strength=joint.strength,
         size=joint.size,
+        flex=joint.flex,
         **joint.flesh._asdict(),
         **options,
     )

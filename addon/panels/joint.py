@@ -33,6 +33,7 @@ def draw_joint(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
     column.prop(edited, "preset")
     column.prop(edited, "strength")
     column.prop(edited, "size")
+    column.prop(edited, "flex")
     if volume_settings(ob).flesh > 0.0:
         _draw_flesh(column, edited, joint.use_auto_outside)
     _draw_silence(column, ob, joint)

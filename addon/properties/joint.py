@@ -19,6 +19,7 @@ BLEND_NAMES = tuple(name for name, *_ in BLENDS)
 SETTINGS = (
     "strength",
     "size",
+    "flex",
     "blend_mode",
     "blend",
     "fold_loss",
@@ -74,6 +75,16 @@ class TurgorJoint(ProfileSet, bpy.types.PropertyGroup):
         min=0.05,
         soft_max=3.0,
         max=20.0,
+        update=tag,
+        override=OVERRIDABLE,
+    )
+    flex: FloatProperty(
+        name="Flex",
+        description="Bulge beyond what was lost, as a muscle that is tensed, taken from the same limb",
+        default=0.0,
+        min=0.0,
+        soft_max=1.0,
+        max=10.0,
         update=tag,
         override=OVERRIDABLE,
     )

@@ -19,6 +19,7 @@ NAMES = (
     "preset",
     "strength",
     "size",
+    "flex",
     "flesh",
     "use_auto_outside",
     "outside",

@@ -24,6 +24,7 @@ class JointArrays(NamedTuple):
     shares: NDArray[np.float32]  # (J, 3)
     strengths: NDArray[np.float32]  # (J,)
     sizes: NDArray[np.float32]  # (J,)
+    flexes: NDArray[np.float32]  # (J,)
     is_muted: NDArray[np.bool_]  # (J,)
     is_solo: NDArray[np.bool_]  # (J,)
     blend_modes: NDArray[np.int32]  # (J,)
@@ -44,6 +45,7 @@ _FIELDS = (
     ("shares", np.float32, (3,)),
     ("strength", np.float32, ()),
     ("size", np.float32, ()),
+    ("flex", np.float32, ()),
     ("mute", bool, ()),
     ("is_solo", bool, ()),
     ("blend_mode", np.int32, ()),

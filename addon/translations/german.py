@@ -205,6 +205,10 @@ TEXTS: dict[str, str] = {
     "How far the inside of a bend closes on the plane that halves it instead of passing through itself": (
         "Wie weit sich die Innenseite einer Beuge an der halbierenden Ebene schließt, statt durch sich hindurchzugehen"
     ),
+    "Flex": "Anspannen",
+    "Bulge beyond what was lost, as a muscle that is tensed, taken from the same limb": (
+        "Wölbung über das Verlorene hinaus, wie ein angespannter Muskel, dem gleichen Glied entnommen"
+    ),
     "Fields": "Felder",
     "Which way the skin moves where volume comes back": "Wohin sich die Haut bewegt, wo Volumen zurückkommt",
     "Plain": "Einfach",

@@ -23,6 +23,7 @@ KEYED = {
     "outside": (0.0, 1.0),
     "spread_twist": (1.0, 0.0),
     "crease": (0.0, 1.0),
+    "flex": (0.0, 1.0),
 }
 
 

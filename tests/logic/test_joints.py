@@ -68,7 +68,7 @@ def test_shares_of_the_engine():
 
 def test_a_preset_alone_has_its_own_shape():
     joint = engine_joint(
-        JointSettings(3, 0.5, 2.0, _set("RUBBER"), None, None, 0.1, FleshSettings(0.5, None, 0.25, 1.0))
+        JointSettings(3, 0.5, 2.0, 0.0, _set("RUBBER"), None, None, 0.1, FleshSettings(0.5, None, 0.25, 1.0))
     )
     assert (joint.flesh, joint.outside, joint.spread_twist, joint.crease) == (0.5, None, 0.25, 1.0)
     assert (joint.bone, joint.strength, joint.size) == (3, 0.5, 2.0)

@@ -34,7 +34,7 @@ pub fn bone_index(bone: i64) -> PyResult<usize> {
 #[pymethods]
 impl Joint {
     #[new]
-    #[pyo3(signature = (bone, shares=None, profiles=None, *, folded_profiles=None, folded_loss_relative=0.1, strength=1.0, size=1.0, flesh=0.0, outside=None, spread_twist=1.0, crease=1.0))]
+    #[pyo3(signature = (bone, shares=None, profiles=None, *, folded_profiles=None, folded_loss_relative=0.1, strength=1.0, size=1.0, flex=0.0, flesh=0.0, outside=None, spread_twist=1.0, crease=1.0))]
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python call")]
     fn new(
         bone: i64,
@@ -44,6 +44,7 @@ impl Joint {
         folded_loss_relative: f64,
         strength: f64,
         size: f64,
+        flex: f64,
         flesh: f64,
         outside: Option<f64>,
         spread_twist: f64,
@@ -66,7 +67,7 @@ impl Joint {
             None => None,
         };
         let flesh = Flesh { amount: flesh, outside, spread_twist, crease };
-        let joint = turgor::Joint { bone, shares: read_shares(shares)?, profiles, strength, size, flesh };
+        let joint = turgor::Joint { bone, shares: read_shares(shares)?, profiles, strength, size, flex, flesh };
         Ok(Self { inner: joint.checked().map_err(refused)? })
     }
 
@@ -83,6 +84,11 @@ impl Joint {
     #[getter]
     fn size(&self) -> f64 {
         self.inner.size
+    }
+
+    #[getter]
+    fn flex(&self) -> f64 {
+        self.inner.flex
     }
 
     #[getter]

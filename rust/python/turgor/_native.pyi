@@ -156,8 +156,12 @@ class Joint:
     profiles: three 1D curves over x in [-1, 1] of the joint's length, each a sequence of at least 2 samples at even
         spacing, zero outside; samples below 0 count as 0, none is above 1e6. None: the isotropic bell.
     folded_profiles: three curves that the profiles turn into as the loss approaches `folded_loss_relative` of the
-        volume of the joint's vicinity, a tenth of its length cubed (Belly); None: no change with loss.
+        volume of the joint's vicinity (Belly): a tenth of its length cubed, an eightieth where fields are even; None:
+        no change with loss.
     strength: part of the loss given back, 0 to 1e9. size: factor on the joint's automatic length, 1e-6 to 1e6.
+    flex: how far the joint's shape bulges beyond what was lost, as a muscle that is tensed, 0 to 10: 1 is a tenth of
+        the volume of the joint's vicinity. It is taken from all of the vicinity: the body's
+        volume stays.
     flesh: how far skin follows the law of flesh before volume is looked at (MATH 10), 0: none, the same bits as
         without it; 1: all. Offsets hold what it adds, `Frame.skinned` does not. It acts where the joint has another
         above it, and fades out over the last 30 degrees before a bend or twist of 180, where a bone is flattened or
@@ -168,7 +172,7 @@ class Joint:
         blend. A bone that leads to no other joint, or is no longer than thick, always does the latter.
     crease: 1: the inside of a bend closes on the plane that halves it; 0: it is left as it comes. Only where the bone
         above runs on into this one.
-    All four are 0 to 1.
+    These four are 0 to 1.
     """
 
     def __new__(
@@ -181,6 +185,7 @@ class Joint:
         folded_loss_relative: float = 0.1,
         strength: float = 1.0,
         size: float = 1.0,
+        flex: float = 0.0,
         flesh: float = 0.0,
         outside: float | None = None,
         spread_twist: float = 1.0,
@@ -192,6 +197,8 @@ class Joint:
     def strength(self) -> float: ...
     @property
     def size(self) -> float: ...
+    @property
+    def flex(self) -> float: ...
     @property
     def flesh(self) -> float: ...
     @property

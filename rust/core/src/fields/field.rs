@@ -17,6 +17,9 @@ const SHELL_PART_MIN: f64 = 1e-9;
 /// Where a mask leaves less than this part of a vicinity's capacity, volume goes to the whole shell, smoothly: pinned skin
 /// cannot take it, and the little that is left should not take all.
 const FREE_PART_MIN: f64 = 0.05;
+/// Volume that a flex of 1 bulges by, over that of the vicinity, and what it adds to the largest displacement, over that.
+const FLEX_VOLUME: f64 = 0.1;
+const FLEX_HEIGHT: f64 = 1.5;
 /// Losses below this part of the vicinity's volume are rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -35,6 +38,8 @@ pub(crate) struct FieldFrame {
     shares: Shares,
     /// How far folds have set in, 0..1.
     folded: f64,
+    /// Volume that the shape adds, and all of the vicinity gives.
+    flex: f64,
     displacement_max: f64,
     pub is_active: bool,
 }
@@ -50,12 +55,14 @@ impl FieldFrame {
             inverse_length: 1.0 / length,
             inverse_volume: (extents.vicinity_volume * length.powi(3)).recip(),
             displacement_max: extents.displacement_max * length,
-            is_active: volume != 0.0 && length > 0.0 && length.is_finite(),
+            is_active: (volume != 0.0 || settings.flex > 0.0) && length > 0.0 && length.is_finite(),
             shares: settings.shares,
             ..Self::default()
         };
+        frame.flex = settings.flex * FLEX_VOLUME / frame.inverse_volume;
         let automatic = settings.shares.automatic;
         if settings.profiles.is_none() && automatic == 1.0 {
+            frame.displacement_max *= 1.0 + FLEX_HEIGHT * settings.flex;
             return frame;
         }
         if let Some(profiles) = &settings.profiles {
@@ -66,6 +73,7 @@ impl FieldFrame {
             }
             frame.displacement_max = frame.displacement_max.min(SLOPE_MAX / steepness.max(SLOPE_MAX) * length);
         }
+        frame.displacement_max *= 1.0 + FLEX_HEIGHT * settings.flex;
         (frame.axes, frame.frame_part) = axes_of_bend(motions, joint);
         if settings.profiles.is_none() && automatic > 0.0 {
             // The bell is the same without axes, and its least displacement needs none.
@@ -87,7 +95,7 @@ impl FieldFrame {
 
     /// The frame of another field of the same joint, after one that moved points by up to `displacement`.
     pub fn after(&self, displacement: f64) -> Self {
-        Self { displacement_max: (self.displacement_max - displacement).max(0.0), ..*self }
+        Self { displacement_max: (self.displacement_max - displacement).max(0.0), flex: 0.0, ..*self }
     }
 
     /// Parts of the volume for e0, e1, e2 and the frame-free rest, each solved on the mesh so far.
@@ -101,10 +109,10 @@ impl FieldFrame {
         [along(0), along(1), along(2), 1.0 - part]
     }
 
-    /// The frame of one step of `ordered_shares`.
-    pub fn for_step(&self, step: usize) -> Self {
+    /// The frame of one step of `ordered_shares`, and the step's share.
+    pub fn for_step(&self, step: usize, share: f64) -> Self {
         let shares = Shares::along(std::array::from_fn(|axis| f64::from(u8::from(axis == step))));
-        Self { frame_part: if step < 3 { 1.0 } else { 0.0 }, shares, ..*self }
+        Self { frame_part: if step < 3 { 1.0 } else { 0.0 }, shares, flex: self.flex * share, ..*self }
     }
 
     /// A volume over that of the joint's vicinity.
@@ -196,12 +204,13 @@ impl Field {
         // A profile that a mask has taken away is as good as too narrow.
         field.is_capped = is_masked && (free < 1.0 || trust(own_capacity, capacity.all) < 0.5);
         let volume = volume * free;
+        let bulge = volume + frame.flex * free;
         if capacity.all <= SHELL_PART_MIN * shell || capacity.all <= 0.0 {
             return field;
         }
         let most = frame.displacement_max;
         if frame.frame_part > 0.0 && total > 0.0 {
-            let wanted = volume * frame.frame_part * trust(total, capacity.all);
+            let wanted = bulge * frame.frame_part * trust(total, capacity.all);
             let shares = frame.shares.axes;
             let trusted: [f64; 3] = std::array::from_fn(|i| trust(capacity.along[i], total));
             // The automatic share goes to all axes by their capacity, and so does what an axis that hardly has any cannot take.
@@ -221,7 +230,7 @@ impl Field {
             }
         }
         if capacity.bell > 0.0 {
-            let wanted = volume * (1.0 - frame.frame_part) * trust(capacity.bell, capacity.all);
+            let wanted = bulge * (1.0 - frame.frame_part) * trust(capacity.bell, capacity.all);
             let bound = (wanted / capacity.bell * capacity.bell_most).abs();
             let kept = part_within(most, bound);
             field.is_capped |= kept < 1.0;

@@ -7,6 +7,8 @@ use crate::flesh::settings::Flesh;
 /// Sizes, and losses that reach folded profiles: far beyond all use, and numbers in single precision still.
 const SIZES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 const LOSSES: std::ops::RangeInclusive<f64> = 1e-12..=1e12;
+/// Most that a joint bulges beyond what it lost.
+const FLEX_MAX: f64 = 10.0;
 /// Largest factor on what is given back: a thousandfold extent.
 pub(crate) const FACTOR_MAX: f64 = 1e9;
 
@@ -97,6 +99,9 @@ pub struct Joint {
     pub strength: f64,
     /// Factor on the automatic length.
     pub size: f64,
+    /// How far the joint's shape bulges beyond what was lost, as a muscle that is tensed: 1 is a tenth of the vicinity's volume,
+    /// taken from all of the vicinity.
+    pub flex: f64,
     /// The law of flesh.
     pub flesh: Flesh,
 }
@@ -104,17 +109,20 @@ pub struct Joint {
 impl Joint {
     /// The isotropic preset, all given back.
     pub fn isotropic(bone: usize) -> Self {
-        Self { bone, shares: Shares::AUTOMATIC, profiles: None, strength: 1.0, size: 1.0, flesh: Flesh::NONE }
+        Self { bone, shares: Shares::AUTOMATIC, profiles: None, strength: 1.0, size: 1.0, flex: 0.0, flesh: Flesh::NONE }
     }
 
     /// Checks what can be checked without a mesh; shares are normalised to sum 1.
     ///
     /// # Errors
-    /// Strength, size or shares out of range, shares that are all 0.
+    /// Strength, size, flex or shares out of range, shares that are all 0.
     pub fn checked(mut self) -> Result<Self> {
         check_strengths("strength", &[self.strength])?;
         if !SIZES.contains(&self.size) {
             return Err(Error::Value { what: "size", found: self.size, needed: "a number from 1e-6 to 1e6" });
+        }
+        if !(0.0..=FLEX_MAX).contains(&self.flex) {
+            return Err(Error::Value { what: "flex", found: self.flex, needed: "a number from 0 to 10" });
         }
         self.shares = self.shares.checked()?;
         self.flesh = self.flesh.checked()?;

@@ -48,7 +48,8 @@ impl Solution {
                 for (&job, shares) in mine.iter().zip(&shares) {
                     let (target, state) = (&targets.jobs[job], &mut fields.jobs[job]);
                     let shell = fields.components[binding.plan.jobs[job].component as usize].wide_capacity;
-                    state.field = Field::new(&target.frame.for_step(step), &state.capacity, shell, target.volume * shares[step]);
+                    state.field =
+                        Field::new(&target.frame.for_step(step, shares[step]), &state.capacity, shell, target.volume * shares[step]);
                     correction.jobs[job].count(&state.field);
                 }
                 fields.add(
