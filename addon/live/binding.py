@@ -17,6 +17,7 @@ from ..logic import body, fingerprint, weights
 from ..logic.finding import Finding
 from ..messages import message
 from ..properties.joint_names import bend_of
+from ..properties.profiles import PRESET_NUMBERS
 from ..scene import (
     bone_choice,
     carrier,
@@ -333,7 +334,8 @@ def _prepare_scene(
     made: body.Body,
     evaluated: EvaluatedStack | None,
 ) -> None:
-    settings.add_joints(target, joint_names.of_rows(bones, made.joint_bones))
+    preset = PRESET_NUMBERS[target.turgor.preset_of_new]
+    settings.add_joints(target, joint_names.of_rows(bones, made.joint_bones), preset)
     holder = carrier.carrier_of(target)
     if holder is not None and is_editable(holder):
         carrier.resize(holder, made.vertex_count)

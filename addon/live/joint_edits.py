@@ -9,7 +9,6 @@ import bpy
 from ..properties.joint import SETTINGS, TurgorJoint
 from ..properties.joint_names import flipped
 from ..properties.selected_joints import edited_joints
-from ..scene.settings import preset_of_new
 from . import profiles
 
 
@@ -53,7 +52,7 @@ def mirror(target: bpy.types.Object) -> tuple[int, list[str]]:
 def reset(joints: Sequence[TurgorJoint]) -> None:
     """Give the joints the settings that a new joint has."""
     for joint in joints:
-        joint.second.preset, joint.preset = "ISOTROPIC", preset_of_new(joint.id_data)
+        joint.second.preset, joint.preset = "ISOTROPIC", joint.id_data.turgor.preset_of_new
         joint.second.use_auto_shares = joint.use_auto_shares = True
         for name in (*SETTINGS, "mute", "is_solo"):
             setattr(joint, name, _default(joint, name))

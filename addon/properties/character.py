@@ -138,3 +138,8 @@ class TurgorObject(bpy.types.PropertyGroup):
     in_step: IntProperty(options={"HIDDEN"})
     curves: PointerProperty(type=bpy.types.ShaderNodeTree, override=OVERRIDABLE)
     carrier: PointerProperty(type=TurgorCarrier, override=OVERRIDABLE)
+
+    @property
+    def preset_of_new(self) -> str:
+        """Of a joint that nobody has set: flesh, but a character of before keeps to what it began with."""
+        return "FLESH" if self.fields == "EVEN" else "ISOTROPIC"

@@ -9,8 +9,6 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..properties.profiles import PRESET_NUMBERS
-
 
 class JointArrays(NamedTuple):
     """J joints in saved order.
@@ -116,24 +114,21 @@ def _read_second(profiles: bpy.types.PropertyGroup) -> SecondSet:
     return SecondSet(profiles.preset, profiles.curve_source, profiles.use_auto_shares, tuple(profiles.shares))
 
 
-def add_joints(target: bpy.types.Object, bone_names: tuple[str, ...]) -> None:
-    """Give each bone a joint; joints of bones that are gone keep their settings, should the bone come back."""
+def add_joints(target: bpy.types.Object, bone_names: tuple[str, ...], preset: int) -> None:
+    """Give each bone a joint; joints of bones that are gone keep their settings, should the bone come back.
+
+    preset: of new ones, by its number in `properties.profiles.PRESETS`.
+    """
     joints = target.turgor.joints
     first_new = len(joints)
     for name in bone_names:
         if name not in joints:
             joints.add().name = name
-    preset = PRESET_NUMBERS[preset_of_new(target)]
     for setting in ("preset", "curve_source"):
         numbers = np.empty(len(joints), np.int32)
         joints.foreach_get(setting, numbers)
         numbers[first_new:] = preset
         joints.foreach_set(setting, numbers)
-
-
-def preset_of_new(target: bpy.types.Object) -> str:
-    """Of a joint that nobody has set: flesh, but a character of before keeps to what it began with."""
-    return "FLESH" if target.turgor.fields == "EVEN" else "ISOTROPIC"
 
 
 def rename_joints(target: bpy.types.Object, new_names: dict[str, str]) -> None:

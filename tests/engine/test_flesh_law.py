@@ -275,3 +275,26 @@ def test_bones_that_are_flattened_or_mirrored_follow_no_law(seed: int):
     pose = rig.pose([np.eye(4), translation(rng.uniform(-0.1, 0.1, 3)) @ rotation([0.0, 0.0, 1.0], 1.0) @ scale])
     frames = [rig.body(joints=following(rig, flesh=amount)).deform(pose) for amount in (0.0, 1.0)]
     np.testing.assert_allclose(frames[0].positions, frames[1].positions, atol=DIGITS)
+
+
+@given(seeds, modes)
+def test_bones_that_skin_does_not_blend_with_say_nothing_of_it(seed: int, mode: Mode):
+    """A flat skeleton, or a foot that a control carries: the bone above has skin of its own, elsewhere."""
+    rng = np.random.default_rng(seed)
+    rig = limb(3)
+    is_end = rig.surface.positions[:, 0] <= rig.surface.positions[:, 0].min() + DIGITS
+    bones, weights = rig.bones + 1, rig.weights.copy()
+    bones[is_end], weights[is_end] = [0, 1, 2], [1.0, 0.0, 0.0]
+    flat = replace(
+        rig,
+        parents=np.array([-1, 0, 0, 0], np.int32),
+        rest_matrices=np.concatenate([rig.rest_matrices[:1], rig.rest_matrices]),
+        bones=bones.astype(np.int32),
+        weights=weights,
+    )
+    carried = rotation(rng.normal(size=3), rng.uniform(1.5, 2.5)) @ translation([1.0, 1.0, 0.0])
+    pose = np.concatenate([np.eye(4)[None], carried @ rig.random_pose(rng, 0.4)])
+    none, law = (flat.body(mode, following(flat, flesh=amount)).deform(pose) for amount in (0.0, 1.0))
+    # The first bone's skin does blend with the root's.
+    is_far = rig.surface.positions[:, 0] > 1.0
+    np.testing.assert_allclose(law.offsets[is_far], none.offsets[is_far], atol=0.02 * RADIUS)

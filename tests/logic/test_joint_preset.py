@@ -28,6 +28,7 @@ presets = st.builds(
     joint_preset.JointPreset,
     positive,
     positive,
+    positive,
     st.sampled_from(["NONE", "LOSS"]),
     unit,
     positive,
@@ -49,9 +50,10 @@ def test_what_is_written_reads_back_equal(preset):
 @given(presets)
 def test_presets_of_before_follow_flesh_as_new_joints_do(preset):
     fields = joint_preset.value_of(joint_preset.to_text(preset))
-    for name in ("flesh", "use_auto_outside", "outside", "spread_twist", "crease"):
+    for name in ("flex", "flesh", "use_auto_outside", "outside", "spread_twist", "crease"):
         del fields[name]
-    expected = preset._replace(flesh=1.0, use_auto_outside=True, outside=1.0, spread_twist=1.0, crease=0.0)
+    of_new = {"flex": 0.0, "flesh": 1.0, "use_auto_outside": True, "outside": 1.0, "spread_twist": 1.0, "crease": 0.7}
+    expected = preset._replace(**of_new)
     assert joint_preset.from_text(repr(fields)) == expected
 
 
@@ -71,6 +73,7 @@ GOOD = joint_preset.to_text(
     joint_preset.JointPreset(
         1.0,
         1.0,
+        0.0,
         "NONE",
         0.0,
         0.1,

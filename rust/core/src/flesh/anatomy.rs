@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use glam::{DAffine3, DVec3};
 
 use super::limb::{Limb, NEAR_MAX, REACH};
+use super::neighbours::{Blends, Neighbours};
 use crate::numeric::block_rows::{Block, LANES};
 use crate::numeric::csr::Csr;
 use crate::skinning::joint_tree::JointTree;
@@ -76,6 +77,7 @@ pub(crate) struct Parts<'a> {
 #[derive(Debug)]
 pub(crate) struct Anatomy {
     pub(super) limbs: Vec<Option<Limb>>,
+    pub(super) neighbours: Vec<Neighbours>,
     /// Per slot, joints above before those below.
     pub(super) nodes: Csr<Node>,
     /// Per slot, the joint that the nodes of a row hang on, or the world.
@@ -98,22 +100,29 @@ impl Anatomy {
         let under: Vec<Vec<(usize, f64, f64)>> = (0..places.len()).map(|slot| hanging(sites, tree, slot)).collect();
         let mut held = vec![0.0; count];
         let mut skin: Vec<Vec<(DVec3, f64)>> = vec![Vec::new(); count];
+        let mut blends = vec![Blends::new(); count];
         for &slot in &slots {
             for &(joint, _, part) in &under[slot] {
                 held[joint] += part * areas[slot];
                 let blend = 4.0 * part * (1.0 - part) * areas[slot];
                 if part < WHOLE && blend > 0.0 {
                     skin[joint].push((places[slot], blend));
+                    let below = joint..usize::from(tree.ends[joint]);
+                    for &(other, own, _) in under[slot].iter().filter(|(other, own, _)| *own > 0.0 && !below.contains(other)) {
+                        blends[joint].entry(other).or_default().push((part * own * areas[slot], places[slot]));
+                    }
                 }
             }
         }
         let limbs: Vec<Option<Limb>> = (0..count).map(|joint| Limb::new(tree, joint, &rest[joint], &held, &skin[joint])).collect();
+        let neighbours = (0..count).map(|joint| Neighbours::new(tree, joint, &blends[joint])).collect();
         let reaches: Vec<f64> = limbs
             .iter()
             .map(|limb| limb.as_ref().map_or(0.0, |l| (NEAR_MAX * l.reach_max).hypot(REACH * l.radius) + l.head.distance(l.middle)))
             .collect();
         let mut result = Self {
             limbs,
+            neighbours,
             nodes: Csr::default(),
             tops: Vec::new(),
             near: Csr::default(),

@@ -8,6 +8,7 @@ mod bend;
 mod crease;
 mod lanes;
 mod limb;
+mod neighbours;
 pub(crate) mod settings;
 pub(crate) mod shape;
 mod turn;

@@ -127,7 +127,8 @@ impl Shape {
             let hung = motions.hung.iter().position(|hung| usize::from(hung.joint) == joint);
             let kept = hung.map_or(1.0, |hung| motions.handed_on.kept[hung]);
             let above = &motions.channels[usize::from(tree.parents[joint])];
-            self.turns[joint] = Turn::new(limb, &settings(joint), above, &motions.channels[joint], kept.clamp(0.0, 1.0));
+            let holds = kept.clamp(0.0, 1.0) * anatomy.neighbours[joint].trust(&motions.channels, joint, above);
+            self.turns[joint] = Turn::new(limb, &settings(joint), above, &motions.channels[joint], holds);
         }
         self.has_creases = self.turns.iter().any(|turn| turn.bend.crease > 0.0);
         self.is_active = self.turns.iter().any(|turn| !turn.is_still());

@@ -64,9 +64,9 @@ pub(super) struct Bend {
 }
 
 impl Turn {
-    /// `above` and `own`: what the bones do, pose · rest⁻¹; `kept`: part of a cut chain's joint that is its own.
-    pub fn new(limb: &Limb, settings: &Flesh, above: &DAffine3, own: &DAffine3, kept: f64) -> Self {
-        let amount = settings.amount * kept;
+    /// `above` and `own`: what the bones do, pose · rest⁻¹; `holds`: how far the law may be told of these.
+    pub fn new(limb: &Limb, settings: &Flesh, above: &DAffine3, own: &DAffine3, holds: f64) -> Self {
+        let amount = settings.amount * holds;
         if amount <= 0.0 {
             return Self::default();
         }

@@ -6,10 +6,11 @@
 
 use std::collections::HashSet;
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::DAffine3;
 
 use crate::skinning::cut_chains::{Hanging, Weighted};
 use crate::skinning::joint_tree::JointTree;
+use crate::skinning::moments::Moments;
 
 /// A bone that shares less than this part of a joint's blends is none to compare it with.
 const SHARE_MIN: f64 = 0.02;
@@ -17,33 +18,6 @@ const SHARE_MIN: f64 = 0.02;
 const LIKENESS: f64 = 0.25;
 /// Where those between that keep what is theirs are less than this part of all between, a joint begins to keep its loss.
 const TAKERS_MIN: f64 = 0.1;
-
-/// How much skin, its centre, and its second moments about it.
-#[derive(Debug, Clone, Default)]
-struct Blend {
-    amount: f64,
-    centre: DVec3,
-    second: DMat3,
-}
-
-impl Blend {
-    fn new(skin: &[(f64, DVec3)]) -> Self {
-        let amount: f64 = skin.iter().map(|s| s.0).sum();
-        let centre = skin.iter().map(|&(amount, p)| p * amount).sum::<DVec3>() / amount.max(f64::MIN_POSITIVE);
-        let outer = |v: DVec3| DMat3::from_cols(v * v.x, v * v.y, v * v.z);
-        let second = skin.iter().fold(DMat3::ZERO, |sum, &(amount, p)| sum + outer(p - centre) * amount);
-        Self { amount, centre, second }
-    }
-
-    /// Σ |a(p) − b(p)|² over the skin.
-    fn apart(&self, a: &DAffine3, b: &DAffine3) -> f64 {
-        let by = a.matrix3 - b.matrix3;
-        let middle = a.transform_point3(self.centre) - b.transform_point3(self.centre);
-        let spread = by * self.second;
-        let around: f64 = spread.to_cols_array().iter().zip(by.to_cols_array()).map(|(s, b)| s * b).sum();
-        around.max(0.0) + self.amount * middle.length_squared()
-    }
-}
 
 /// What a joint may move like.
 #[derive(Debug, Clone, Copy)]
@@ -68,13 +42,13 @@ pub(crate) struct HungJoint {
     pub joint: u16,
     /// Joints that may be given its loss.
     pub between: Vec<u16>,
-    blend: Blend,
+    blend: Moments,
     others: Vec<Other>,
 }
 
 impl HungJoint {
     /// `shared`: joints of other trees with which it shares skin, and how much; `above`: the bone above it and what it hangs on.
-    fn new(tree: &JointTree, joint: usize, blend: Blend, shared: &[(usize, f64)], above: Option<u32>) -> Option<Self> {
+    fn new(tree: &JointTree, joint: usize, blend: Moments, shared: &[(usize, f64)], above: Option<u32>) -> Option<Self> {
         let onto = tree.parent(joint)?;
         let whole: f64 = shared.iter().map(|s| s.1).sum();
         let mut result = Self { joint: joint as u16, between: Vec::new(), blend, others: Vec::new() };
@@ -177,7 +151,7 @@ pub(crate) fn hung_joints(tree: &JointTree, bones: &Weighted, hanging: &Hanging)
             shared.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, same.iter().map(|s| s.1).sum())).collect();
         let above_onto: HashSet<u32> = bones.skeleton.ancestors(tree.bones[tree.parent(joint)?]).collect();
         let above = bones.skeleton.ancestors(tree.bones[joint]).find(|bone| above_onto.contains(bone));
-        HungJoint::new(tree, joint, Blend::new(&skin[joint]), &shared, above)
+        HungJoint::new(tree, joint, Moments::new(&skin[joint]), &shared, above)
     };
     (0..tree.len()).filter(|&joint| is_hung[joint]).filter_map(hung_joint).collect()
 }
