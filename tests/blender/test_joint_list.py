@@ -196,7 +196,7 @@ def test_several_edits_all_selected_and_one_edits_one(sided):
         assert joints[name].blend_mode == "VALUE"
         assert tuple(joints[name].shares) == pytest.approx((0.1, 0.2, 0.7))
     assert joints[SIDES[1]].strength == 1.0
-    assert joints[SIDES[1]].preset == "ISOTROPIC"
+    assert joints[SIDES[1]].preset == "FLESH"
     joints[SIDES[0]].strength = 0.5
     assert joints[SIDES[2]].strength == 0.25
     assert several.strength == 0.5

@@ -48,5 +48,5 @@ def test_overridden_joints_keep_their_edits(linked, tmp_path):
     ob = library.opened_override()
     joints = ob.turgor.joints
     assert [joints[name].strength for name in SIDES] == [0.25, 0.25, 1.0]
-    assert [joints[name].preset for name in SIDES] == ["MUSCLE", "MUSCLE", "ISOTROPIC"]
+    assert [joints[name].preset for name in SIDES] == ["MUSCLE", "MUSCLE", "FLESH"]
     assert [joint.peak_loss for joint in joints] == pytest.approx(peaks)

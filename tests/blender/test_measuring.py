@@ -124,11 +124,14 @@ def test_a_loss_in_the_unit_of_folding_folds_fully(runtime):
         rig.scale = (scale,) * 3
         bpy.context.view_layer.update()
         add_turgor(ob)
+        # Little is lost by what follows the law of flesh.
+        ob.turgor.flesh = 0.0
+        assert bpy.ops.object.turgor_volume_measure() == {"FINISHED"}
         found.append(runtime.character(ob.session_uid).motion.fold_losses)
     assert found[0].keys() == found[1].keys()
     for name, value in found[0].items():
         assert found[1][name] == pytest.approx(value, rel=1e-3, abs=1e-6)
-    assert max(found[0].values()) > 0.01
+    assert max(found[0].values()) > 0.005
 
 
 def test_measuring_tells_what_is_missing(runtime):

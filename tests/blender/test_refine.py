@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from measure import mesh_positions, mesh_volume, positions, volume
-from tube import LAST_FRAME, LENGTH, add_turgor, character, place, rig, select, subdivide, tube_mesh, weigh
+from tube import LAST_FRAME, LENGTH, act_locally, add_turgor, character, place, rig, select, subdivide, tube_mesh, weigh
 
 REFINE = {"use_automatic": False, "levels": 2, "threshold": 0.2}
 # Refined vertices are stored in single precision.
@@ -217,6 +217,7 @@ def test_a_lower_threshold_keeps_what_a_higher_one_made():
     for threshold in (0.5, 0.2, 0.02):
         ob, _ = character(f"Tube{threshold}")
         add_turgor(ob)
+        act_locally(ob)
         refine(ob, threshold=threshold)
         found.append({tuple(place) for place in mesh_positions(ob.data).round(5).tolist()})
     # Cut neighbours have centres of their own, which whole ones have too.
@@ -250,6 +251,7 @@ def test_automatic_is_enough_at_once(refining, method):
     for levels in (1, 4):
         ob, _ = character(f"Tube{levels}", rings=13, segments=12)
         add_turgor(ob)
+        act_locally(ob)
         for joint in ob.turgor.joints:
             joint.preset = "FOLDS"
         options = refining.Options(0.1, levels, is_automatic=True, is_smooth=method == "SMOOTH")
@@ -287,6 +289,7 @@ def test_what_cannot_be_looked_at_again_is_refined_once(refining, monkeypatch):
 def test_the_preview_says_what_refining_does(refining, runtime):
     ob, _ = character()
     add_turgor(ob)
+    act_locally(ob)
     saved = ob.turgor.refine
     saved.use_automatic, saved.levels = False, 1
     assert refining.look(ob) is None
@@ -340,6 +343,7 @@ def test_half_a_body_under_a_mirror(runtime):
     bpy.data.objects.remove(ob)
     bpy.context.view_layer.update()
     add_turgor(other)
+    act_locally(other)
     before = len(made.vertices)
     assert refine(other, method="SMOOTH") == {"FINISHED"}
     assert len(made.vertices) > before

@@ -101,6 +101,13 @@ def add_turgor(*objects: bpy.types.Object) -> None:
     assert bpy.ops.object.turgor_volume_add() == {"FINISHED"}
 
 
+def act_locally(ob: bpy.types.Object) -> None:
+    """Fields that end on the tube: those of new characters reach over all of it."""
+    ob.turgor.fields = "PLAIN"
+    for joint in ob.turgor.joints:
+        joint.preset = "ISOTROPIC"
+
+
 def select(objects: Iterable[bpy.types.Object]) -> None:
     for other in bpy.context.view_layer.objects:
         other.select_set(False)
