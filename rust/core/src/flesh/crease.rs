@@ -1,12 +1,13 @@
 //! The inside of a bend closes on the plane that halves it: skin stays on its own bone's side.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
 use glam::DVec3;
 
 use super::bend::InBend;
-use super::lanes::{Points8, at, dot, each, single, smooth};
+use super::lanes::{Eight, held, single, smooth};
 use super::smoothstep;
 use super::turn::Turn;
-use crate::numeric::block_rows::{Block, LANES};
 
 /// It begins to close at this bend, and holds in full from so much more on; radians.
 const BEGINS: f64 = 0.6;
@@ -52,32 +53,31 @@ impl Crease {
         })
     }
 
-    /// How much each point is the crease's, before it is known where it stands.
+    /// Whether any of eight points that stand `from_joint` lies on the inside.
     #[inline(always)]
-    pub fn parts(&self, rest: &InBend) -> Block<f32> {
-        each(|lane| self.closes * rest.mask[lane] * (1.0 - smooth((rest.along[lane].abs() - REACH) / FADE)))
+    pub fn concerns<S: Simd>(&self, from_joint: Eight<S>) -> bool {
+        let inside = from_joint.dot(self.inside);
+        inside.simd_gt(f32x8::splat(inside.token(), 0.0)).any_true()
     }
 
     /// Holds points that stand `from_joint` on their side: adds to `by`, and takes what lies in the closed crease from `free`.
     #[inline(always)]
-    pub fn hold(&self, rest: &InBend, parts: &Block<f32>, from_joint: &Points8, by: &mut Points8, free: &mut Block<f32>) {
-        for lane in 0..LANES {
-            let place = at(from_joint, lane);
-            let closes = parts[lane] * smooth(dot(place, self.inside) * (1.0 / ABOVE));
-            let side = if rest.along[lane] < 0.0 { -1.0 } else { 1.0 };
-            let off = rest.along[lane].abs();
-            let margin = MARGIN.min(0.25 * off);
-            let short = margin - side * dot(place, self.along);
-            // What is larger of short and 0, rounded off between −SOFT and SOFT.
-            let round = (short + SOFT).clamp(0.0, 2.0 * SOFT);
-            let short_round = round * round * (0.25 / SOFT) + (short - SOFT).max(0.0);
-            let deep = (short_round * (1.0 / DEEP)) * (short_round * (1.0 / DEEP));
-            let pushed = short_round / (1.0 + deep * deep).sqrt().sqrt() * smooth(off * (1.0 / SIDES));
-            for (by, along) in by.iter_mut().zip(self.posed_along) {
-                by[lane] += along * (side * pushed * closes);
-            }
-            let touch = closes * (1.0 - smooth((pushed - short) * (1.0 / ROOM)));
-            free[lane] *= 1.0 - touch;
-        }
+    pub fn hold<S: Simd>(&self, rest: &InBend<S>, from_joint: Eight<S>, by: &mut Eight<S>, free: &mut f32x8<S>) {
+        let simd = free.token();
+        let number = |value: f32| f32x8::splat(simd, value);
+        let off = rest.along.abs();
+        let inside = smooth(from_joint.dot(self.inside) * (1.0 / ABOVE));
+        let closes = rest.mask * self.closes * (-smooth((off - REACH) * (1.0 / FADE)) + 1.0) * inside;
+        let side = rest.along.simd_lt(number(0.0)).select(number(-1.0), number(1.0));
+        let margin = (off * 0.25).min(number(MARGIN));
+        let short = margin - side * from_joint.dot(self.along);
+        // What is larger of short and 0, rounded off between −SOFT and SOFT.
+        let round = held(short + SOFT, 0.0, 2.0 * SOFT);
+        let short_round = round * round * (0.25 / SOFT) + (short - SOFT).max(number(0.0));
+        let deep = (short_round * (1.0 / DEEP)) * (short_round * (1.0 / DEEP));
+        let pushed = short_round / (deep * deep + 1.0).sqrt().sqrt() * smooth(off * (1.0 / SIDES));
+        *by = *by + Eight::along(self.posed_along, side * pushed * closes);
+        let touch = closes * (-smooth((pushed - short) * (1.0 / ROOM)) + 1.0);
+        *free = *free * (-touch + 1.0);
     }
 }
