@@ -64,16 +64,16 @@ impl Crease {
     #[inline(always)]
     pub fn hold<S: Simd>(&self, rest: &InBend<S>, from_joint: Eight<S>, by: &mut Eight<S>, free: &mut f32x8<S>) {
         let simd = free.token();
-        let number = |value: f32| f32x8::splat(simd, value);
+        let (none, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
         let off = rest.along.abs();
         let inside = smooth(from_joint.dot(self.inside) * (1.0 / ABOVE));
         let closes = rest.mask * self.closes * (-smooth((off - REACH) * (1.0 / FADE)) + 1.0) * inside;
-        let side = rest.along.simd_lt(number(0.0)).select(number(-1.0), number(1.0));
-        let margin = (off * 0.25).min(number(MARGIN));
+        let side = rest.along.simd_lt(none).select(-one, one);
+        let margin = (off * 0.25).min(f32x8::splat(simd, MARGIN));
         let short = margin - side * from_joint.dot(self.along);
         // What is larger of short and 0, rounded off between −SOFT and SOFT.
         let round = held(short + SOFT, 0.0, 2.0 * SOFT);
-        let short_round = round * round * (0.25 / SOFT) + (short - SOFT).max(number(0.0));
+        let short_round = round * round * (0.25 / SOFT) + (short - SOFT).max(none);
         let deep = (short_round * (1.0 / DEEP)) * (short_round * (1.0 / DEEP));
         let pushed = short_round / (deep * deep + 1.0).sqrt().sqrt() * smooth(off * (1.0 / SIDES));
         *by = *by + Eight::along(self.posed_along, side * pushed * closes);

@@ -5,7 +5,7 @@
 use std::ops::{Add, Sub};
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x4, f32x8, f64x4};
+use fearless_simd::{Simd, f32x8, f64x4};
 use glam::{DMat3, DVec3};
 
 use crate::numeric::block_rows::{Block, LANES};
@@ -40,24 +40,16 @@ impl<S: Simd> Eight<S> {
 
     /// From coordinates of points that follow one another: their images.
     #[inline(always)]
-    pub fn images(simd: S, m: &DMat3, [x, y, z]: [&Block<f64>; 3]) -> Self {
-        let half = |number: usize| {
-            let four = |row: &Block<f64>| row.as_chunks().0[number];
-            let [x, y, z] = Four::of_coordinates(simd, [&four(x), &four(y), &four(z)]).coordinates();
-            let along = |axis: usize| x * m.x_axis[axis] + y * m.y_axis[axis] + z * m.z_axis[axis];
-            Four::of_lanes([along(0), along(1), along(2)])
-        };
-        Self::narrowed(simd, half(0), half(1), DVec3::ZERO)
+    pub fn images(simd: S, m: &DMat3, rows: [&Block<f64>; 3]) -> Self {
+        let (early, late) = (half_of(simd, rows, 0), half_of(simd, rows, 1));
+        Self::narrowed(simd, image(m, early), image(m, late), DVec3::ZERO)
     }
 
     #[inline(always)]
     fn narrowed(simd: S, early: Four<S>, late: Four<S>, origin: DVec3) -> Self {
-        let ([x, y, z], [late_x, late_y, late_z]) = (early.coordinates(), late.coordinates());
-        let of = |early: f64x4<S>, late: f64x4<S>, origin: f64| {
-            let origin = f64x4::splat(simd, origin);
-            (early - origin).narrow(late - origin)
-        };
-        Self { x: of(x, late_x, origin.x), y: of(y, late_y, origin.y), z: of(z, late_z, origin.z) }
+        let origin = Four::of_lanes([f64x4::splat(simd, origin.x), f64x4::splat(simd, origin.y), f64x4::splat(simd, origin.z)]);
+        let ([x, y, z], [late_x, late_y, late_z]) = ((early - origin).coordinates(), (late - origin).coordinates());
+        Self { x: x.narrow(late_x), y: y.narrow(late_y), z: z.narrow(late_z) }
     }
 
     /// (x, y, z, 0) of each.
@@ -65,8 +57,7 @@ impl<S: Simd> Eight<S> {
     pub fn rows(self, simd: S) -> [[f32; 4]; LANES] {
         let ((x, late_x), (y, late_y), (z, late_z)) = (self.x.split(), self.y.split(), self.z.split());
         let ([a, b, c, d], [e, f, g, h]) = (rows(simd, [x, y, z]), rows(simd, [late_x, late_y, late_z]));
-        let of = |row: f32x4<S>| row.into();
-        [of(a), of(b), of(c), of(d), of(e), of(f), of(g), of(h)]
+        [a.into(), b.into(), c.into(), d.into(), e.into(), f.into(), g.into(), h.into()]
     }
 
     #[inline(always)]
@@ -122,6 +113,19 @@ impl<S: Simd> Sub for Eight<S> {
     fn sub(self, b: Self) -> Self {
         Self { x: self.x - b.x, y: self.y - b.y, z: self.z - b.z }
     }
+}
+
+/// The first or second four of eight points.
+#[inline(always)]
+fn half_of<S: Simd>(simd: S, [x, y, z]: [&Block<f64>; 3], half: usize) -> Four<S> {
+    Four::of_coordinates(simd, [&x.as_chunks().0[half], &y.as_chunks().0[half], &z.as_chunks().0[half]])
+}
+
+#[inline(always)]
+fn image<S: Simd>(m: &DMat3, points: Four<S>) -> Four<S> {
+    let [x, y, z] = points.coordinates();
+    let [a, b, c] = [m.x_axis, m.y_axis, m.z_axis];
+    Four::of_lanes([x * a.x + y * b.x + z * c.x, x * a.y + y * b.y + z * c.y, x * a.z + y * b.z + z * c.z])
 }
 
 #[inline(always)]

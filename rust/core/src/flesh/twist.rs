@@ -16,7 +16,6 @@ use super::anatomy::{ChainBlock, NODES_MAX, Node};
 use super::lanes::{Eight, single, single3};
 use super::limb::Limb;
 use super::turn::Turn;
-use crate::numeric::block_rows::Block;
 
 /// What a frame does to the joints, as twists need it.
 #[derive(Clone, Copy)]
@@ -168,20 +167,19 @@ impl<S: Simd> Chain<S> {
     /// s τ before the bone above moves what is its own, −(1 − s) τ before the joint does. `is_last`: nothing above twists.
     #[inline(always)]
     pub fn follow(&mut self, simd: S, link: &Link, block: &ChainBlock, is_last: bool) {
-        let of = |row: &Block<f32>| f32x8::simd_from(simd, *row);
         let (mut above, mut own) = (self.rest, self.place);
         if link.twist != 0.0 {
-            let [blended, along] = [of(&block.shares[0]), of(&block.shares[1])];
+            let [blended, along] = [f32x8::simd_from(simd, block.shares[0]), f32x8::simd_from(simd, block.shares[1])];
             let kept = (blended + (along - blended) * link.spread) * link.twist;
             let head = Eight::splat(simd, link.head);
             let (turned_above, turned_own) = ((above - head).turned(link.axis, kept), (own - head).turned(link.axis, kept - link.twist));
-            let by_above = turned_above.scale(of(&block.above)).image(&link.above);
-            self.by = self.by + (by_above + turned_own.scale(of(&block.under)).image(&link.own));
+            let by_above = turned_above.scale(f32x8::simd_from(simd, block.above)).image(&link.above);
+            self.by = self.by + (by_above + turned_own.scale(f32x8::simd_from(simd, block.under)).image(&link.own));
             (above, own) = (above + turned_above, own + turned_own);
         }
         if !is_last {
             let own = own.image(&link.local) + Eight::splat(simd, link.shift);
-            self.place = above + (own - above).scale(of(&block.part));
+            self.place = above + (own - above).scale(f32x8::simd_from(simd, block.part));
         }
     }
 }
