@@ -79,15 +79,27 @@ impl Bent {
         }
     }
 
-    /// Places turned by their share of the twist first: in the bone above they meet the bend so.
+    /// Places from the joint, turned by their share of the twist first: in the bone above they meet the bend so.
     #[inline(always)]
-    pub fn places<S: Simd>(&self, simd: S, near: &NearBlock, places: Eight<S>) -> InBend<S> {
-        let mut from_head = places - Eight::splat(simd, self.head);
-        if self.twist != 0.0 {
-            let [blended, along] = [f32x8::simd_from(simd, near.shares[0]), f32x8::simd_from(simd, near.shares[1])];
-            let share = blended + (along - blended) * self.spread;
-            from_head = from_head + from_head.turned(self.axis_of_twist, share * self.twist);
+    pub fn from_head<S: Simd>(&self, simd: S, near: &NearBlock, places: Eight<S>) -> Eight<S> {
+        let from_head = places - Eight::splat(simd, self.head);
+        if self.twist == 0.0 {
+            return from_head;
         }
+        let [blended, along] = [f32x8::simd_from(simd, near.shares[0]), f32x8::simd_from(simd, near.shares[1])];
+        let share = blended + (along - blended) * self.spread;
+        from_head + from_head.turned(self.axis_of_twist, share * self.twist)
+    }
+
+    /// How far along the limb they lie, in radii.
+    #[inline(always)]
+    pub fn along<S: Simd>(&self, from_head: Eight<S>) -> f32x8<S> {
+        from_head.dot(self.along)
+    }
+
+    /// Places from the joint in the frame of the bend.
+    #[inline(always)]
+    pub fn places<S: Simd>(&self, simd: S, near: &NearBlock, from_head: Eight<S>) -> InBend<S> {
         let from_middle = from_head + Eight::splat(simd, self.to_head);
         let (height, across) = (from_middle.dot(self.inside), from_middle.dot(self.axis));
         let ([inner, outer, left, right], none) = (self.sides, f32x8::splat(simd, 0.0));
@@ -95,7 +107,7 @@ impl Bent {
         let sideways = across.max(none) * left + across.min(none) * right;
         let rim = (inside * inside * (FRONT * FRONT) + sideways * sideways).sqrt();
         let mask = (-smooth((rim - RIM) * (1.0 / FADE)) + 1.0) * f32x8::simd_from(simd, near.kin);
-        InBend { along: from_head.dot(self.along), inside, across: across * self.per_radius, mask }
+        InBend { along: self.along(from_head), inside, across: across * self.per_radius, mask }
     }
 }
 

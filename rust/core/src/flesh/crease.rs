@@ -53,31 +53,46 @@ impl Crease {
         })
     }
 
-    /// Whether any of eight points that stand `from_joint` lies on the inside.
+    /// Whether any of eight points that lie so far `along` the limb, and now stand `from_joint`, is on the inside, near the plane or
+    /// beyond it.
     #[inline(always)]
-    pub fn concerns<S: Simd>(&self, from_joint: Eight<S>) -> bool {
-        let inside = from_joint.dot(self.inside);
-        inside.simd_gt(f32x8::splat(inside.token(), 0.0)).any_true()
+    pub fn concerns<S: Simd>(&self, along: f32x8<S>, from_joint: Eight<S>) -> bool {
+        let (simd, off) = (along.token(), along.abs());
+        let is_inside = from_joint.dot(self.inside).simd_gt(f32x8::splat(simd, 0.0));
+        let is_near = off.simd_lt(f32x8::splat(simd, REACH + FADE));
+        let has_no_room = self.short(along, from_joint).simd_gt(f32x8::splat(simd, -ROOM));
+        (is_inside & is_near & has_no_room).any_true()
+    }
+
+    /// How far points are on the wrong side of the plane, or nearer to it than the margin.
+    #[inline(always)]
+    fn short<S: Simd>(&self, along: f32x8<S>, from_joint: Eight<S>) -> f32x8<S> {
+        let margin = (along.abs() * 0.25).min(f32x8::splat(along.token(), MARGIN));
+        margin - side(along) * from_joint.dot(self.along)
     }
 
     /// Holds points that stand `from_joint` on their side: adds to `by`, and takes what lies in the closed crease from `free`.
     #[inline(always)]
     pub fn hold<S: Simd>(&self, rest: &InBend<S>, from_joint: Eight<S>, by: &mut Eight<S>, free: &mut f32x8<S>) {
         let simd = free.token();
-        let (none, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
         let off = rest.along.abs();
         let inside = smooth(from_joint.dot(self.inside) * (1.0 / ABOVE));
         let closes = rest.mask * self.closes * (-smooth((off - REACH) * (1.0 / FADE)) + 1.0) * inside;
-        let side = rest.along.simd_lt(none).select(-one, one);
-        let margin = (off * 0.25).min(f32x8::splat(simd, MARGIN));
-        let short = margin - side * from_joint.dot(self.along);
+        let short = self.short(rest.along, from_joint);
         // What is larger of short and 0, rounded off between −SOFT and SOFT.
         let round = held(short + SOFT, 0.0, 2.0 * SOFT);
-        let short_round = round * round * (0.25 / SOFT) + (short - SOFT).max(none);
+        let short_round = round * round * (0.25 / SOFT) + (short - SOFT).max(f32x8::splat(simd, 0.0));
         let deep = (short_round * (1.0 / DEEP)) * (short_round * (1.0 / DEEP));
         let pushed = short_round / (deep * deep + 1.0).sqrt().sqrt() * smooth(off * (1.0 / SIDES));
-        *by = *by + Eight::along(self.posed_along, side * pushed * closes);
+        *by = *by + Eight::along(self.posed_along, side(rest.along) * pushed * closes);
         let touch = closes * (-smooth((pushed - short) * (1.0 / ROOM)) + 1.0);
         *free = *free * (-touch + 1.0);
     }
+}
+
+/// 1 on the joint's own side, −1 on that of the bone above.
+#[inline(always)]
+fn side<S: Simd>(along: f32x8<S>) -> f32x8<S> {
+    let one = f32x8::splat(along.token(), 1.0);
+    along.simd_lt(f32x8::splat(along.token(), 0.0)).select(-one, one)
 }
