@@ -105,8 +105,12 @@ impl Bent {
         let ([inner, outer, left, right], none) = (self.sides, f32x8::splat(simd, 0.0));
         let inside = height.max(none) * inner + height.min(none) * outer;
         let sideways = across.max(none) * left + across.min(none) * right;
-        let rim = (inside * inside * (FRONT * FRONT) + sideways * sideways).sqrt();
-        let mask = (-smooth((rim - RIM) * (1.0 / FADE)) + 1.0) * f32x8::simd_from(simd, near.kin);
+        let rim_squared = inside * inside * (FRONT * FRONT) + sideways * sideways;
+        let mut mask = f32x8::simd_from(simd, near.kin);
+        // Seldom: most skin lies within.
+        if rim_squared.simd_gt(f32x8::splat(simd, RIM * RIM)).any_true() {
+            mask = (-smooth((rim_squared.sqrt() - RIM) * (1.0 / FADE)) + 1.0) * mask;
+        }
         InBend { along: self.along(from_head), inside, across: across * self.per_radius, mask }
     }
 }

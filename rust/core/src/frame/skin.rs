@@ -1,12 +1,11 @@
 //! Skins all points, patch by patch; volume and gradient of the surface they make.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd, dispatch, f32x4, f64x4};
 
 use super::buffers::{Gradient, Posed, Skinned, SkinnedPatch, Staged};
 use super::places::ragged;
 use super::scratch::{Scratch, with_scratch};
-use super::widened;
 use crate::binding::Binding;
 use crate::flesh::shape::Shape;
 use crate::numeric::block_rows::{LANES, PATCH_POINTS};
@@ -211,7 +210,8 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: SkinnedInto, scratch: &mut 
         if flesh.is_active() && slots.iter().any(|&slot| flesh.offset(slot as usize) != [0.0; 4]) {
             bare = Some(sweeps::volume(simd, patches, patch, p));
             for (p, &slot) in p.iter_mut().zip(slots) {
-                *p = lanes::add(*p, widened(flesh.offset(slot as usize)));
+                let by = f32x4::simd_from(simd, flesh.offset(slot as usize));
+                *p = (f64x4::simd_from(simd, *p) + by.combine(by).widen().0).into();
             }
         }
     }
