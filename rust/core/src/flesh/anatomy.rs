@@ -1,6 +1,6 @@
 //! What is bound: limbs, and which points each may move.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DAffine3, DVec3};
 
@@ -30,34 +30,27 @@ pub(super) struct Node {
     pub share: [f32; 2],
 }
 
-/// Eight points of a patch that a joint's bend may move; 0 for others.
+/// Eight points that a joint's bend may move; 0 for others.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NearBlock {
-    pub number: u32,
+    pub joint: u16,
     /// 1 less the weight of bones that are neither above nor below the joint.
     pub kin: Block<f32>,
     /// As in a node.
     pub shares: [Block<f32>; 2],
 }
 
-/// Eight points of a patch that hang on a joint and the bone above it alone; 0 for others.
+/// Eight points that hang on a joint of a chain; 0 for others.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct TwistBlock {
-    pub number: u32,
+pub(super) struct ChainBlock {
+    pub joint: u16,
+    /// Weight of the bone above, and of all that hangs on the joint; the latter's part of their sum.
+    pub above: Block<f32>,
     pub under: Block<f32>,
+    pub part: Block<f32>,
     /// As in a node.
     pub shares: [Block<f32>; 2],
 }
-
-/// Where the blocks of a joint lie in a patch.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct JointRow {
-    pub joint: u16,
-    pub row: u32,
-}
-
-/// Three numbers per point of a patch, of one joint.
-type Numbers = Vec<[f32; 3]>;
 
 /// What limbs are made from.
 pub(crate) struct Parts<'a> {
@@ -82,14 +75,13 @@ pub(crate) struct Anatomy {
     pub(super) nodes: Csr<Node>,
     /// Per slot, the joint that the nodes of a row hang on, or the world.
     pub(super) tops: Vec<u16>,
-    /// Bends: per row the blocks, and per patch the rows.
+    /// Bends, per eight slots.
     pub(super) near: Csr<NearBlock>,
-    pub(super) near_of_patch: Csr<JointRow>,
-    /// Twists of points that hang on one joint and the bone above alone, where skinning is linear; others have nodes.
-    pub(super) twists: Csr<TwistBlock>,
-    pub(super) twists_of_patch: Csr<JointRow>,
-    /// Per patch, joints of its nodes.
-    pub(super) nodes_of_patch: Csr<u16>,
+    /// Per eight slots, joints below before those above: points whose nodes hang on each other one by one, where skinning is
+    /// linear. They have no nodes.
+    pub(super) chains: Csr<ChainBlock>,
+    /// Per patch, joints that may move any of its points.
+    pub(super) joints_of_patch: Csr<u16>,
 }
 
 impl Anatomy {
@@ -126,50 +118,39 @@ impl Anatomy {
             nodes: Csr::default(),
             tops: Vec::new(),
             near: Csr::default(),
-            near_of_patch: Csr::default(),
-            twists: Csr::default(),
-            twists_of_patch: Csr::default(),
-            nodes_of_patch: Csr::default(),
+            chains: Csr::default(),
+            joints_of_patch: Csr::default(),
         };
         for (index, patch) in patches.list.iter().enumerate() {
-            let (mut near, mut twists): (BTreeMap<u16, Numbers>, BTreeMap<u16, Numbers>) = (BTreeMap::new(), BTreeMap::new());
-            let mut of_nodes: Vec<u16> = Vec::new();
-            let slots = patch.start..patches.slot_offsets[index + 1] as usize;
-            let row = || vec![[0.0; 3]; slots.len()];
-            for (at, slot) in slots.clone().enumerate() {
-                if at >= patch.owned {
-                    result.tops.push(tree.world() as u16);
-                    result.nodes.push_row([]);
-                    continue;
-                }
-                let (top, mut nodes) = result.nodes_of(tree, places[slot], &under[slot]);
-                if let (true, [node]) = (is_linear, &*nodes) {
-                    if result.limbs[usize::from(node.joint)].is_some() {
-                        twists.entry(node.joint).or_insert_with(row)[at] = [node.under, node.share[0], node.share[1]];
+            let mut joints: BTreeSet<u16> = BTreeSet::new();
+            for first in (patch.start..patches.slot_offsets[index + 1] as usize).step_by(LANES) {
+                let (mut near, mut chains): (BTreeMap<u16, NearBlock>, BTreeMap<u16, ChainBlock>) = Default::default();
+                for (lane, slot) in (first..first + LANES).enumerate() {
+                    if slot >= patch.start + patch.owned {
+                        result.tops.push(tree.world() as u16);
+                        result.nodes.push_row([]);
+                        continue;
                     }
-                    nodes.clear();
+                    let (top, mut nodes) = result.nodes_of(tree, places[slot], &under[slot]);
+                    if is_linear && is_chain(tree, top, &nodes) {
+                        let mut above = 1.0;
+                        for node in nodes.drain(..) {
+                            chains.entry(node.joint).or_insert_with(|| ChainBlock::new(node.joint)).set(lane, &node, above);
+                            above = node.under;
+                        }
+                    }
+                    joints.extend(nodes.iter().map(|node| node.joint));
+                    result.tops.push(top as u16);
+                    result.nodes.push_row(nodes);
+                    for (joint, kin, shares) in result.near_of(tree, &reaches, places[slot], &under[slot]) {
+                        near.entry(joint).or_insert_with(|| NearBlock::new(joint)).set(lane, kin, shares);
+                    }
                 }
-                of_nodes.extend(nodes.iter().map(|node| node.joint));
-                result.tops.push(top as u16);
-                result.nodes.push_row(nodes);
-                for (joint, kin, share) in result.near_of(tree, &reaches, places[slot], &under[slot]) {
-                    near.entry(joint).or_insert_with(row)[at] = [kin, share[0], share[1]];
-                }
+                joints.extend(near.keys().chain(chains.keys()));
+                result.near.push_row(near.into_values());
+                result.chains.push_row(chains.into_values().rev());
             }
-            of_nodes.sort_unstable();
-            of_nodes.dedup();
-            result.nodes_of_patch.push_row(of_nodes);
-            let rows = |first: usize, joints: &BTreeMap<u16, Numbers>| -> Vec<JointRow> {
-                (first..).zip(joints.keys()).map(|(row, &joint)| JointRow { joint, row: row as u32 }).collect()
-            };
-            result.near_of_patch.push_row(rows(result.near.len(), &near));
-            for numbers in near.values() {
-                result.near.push_row(blocks(numbers).map(|(number, [kin, a, b])| NearBlock { number, kin, shares: [a, b] }));
-            }
-            result.twists_of_patch.push_row(rows(result.twists.len(), &twists));
-            for numbers in twists.values() {
-                result.twists.push_row(blocks(numbers).map(|(number, [under, a, b])| TwistBlock { number, under, shares: [a, b] }));
-            }
+            result.joints_of_patch.push_row(joints);
         }
         result
     }
@@ -177,10 +158,8 @@ impl Anatomy {
     pub fn memory_bytes(&self) -> usize {
         self.nodes.memory_bytes()
             + self.near.memory_bytes()
-            + self.near_of_patch.memory_bytes()
-            + self.twists.memory_bytes()
-            + self.twists_of_patch.memory_bytes()
-            + self.nodes_of_patch.memory_bytes()
+            + self.chains.memory_bytes()
+            + self.joints_of_patch.memory_bytes()
             + size_of_val(&*self.tops)
     }
 
@@ -231,14 +210,42 @@ impl Anatomy {
     }
 }
 
-/// Blocks with anything in them, by number.
-fn blocks(numbers: &[[f32; 3]]) -> impl Iterator<Item = (u32, [Block<f32>; 3])> {
-    let all = (0..).zip(numbers.chunks(LANES));
-    let used = all.filter(|(_, points)| points.iter().any(|point| *point != [0.0; 3]));
-    used.map(|(number, points)| {
-        let row = |which: usize| std::array::from_fn(|lane| points.get(lane).map_or(0.0, |point| point[which]));
-        (number, [row(0), row(1), row(2)])
-    })
+impl NearBlock {
+    fn new(joint: u16) -> Self {
+        Self { joint, kin: [0.0; LANES], shares: [[0.0; LANES]; 2] }
+    }
+
+    fn set(&mut self, lane: usize, kin: f32, shares: [f32; 2]) {
+        self.kin[lane] = kin;
+        set_shares(&mut self.shares, lane, shares);
+    }
+}
+
+impl ChainBlock {
+    fn new(joint: u16) -> Self {
+        let none = [0.0; LANES];
+        Self { joint, above: none, under: none, part: none, shares: [none; 2] }
+    }
+
+    /// `above`: weight of all that hangs on the bone above.
+    fn set(&mut self, lane: usize, node: &Node, above: f32) {
+        self.above[lane] = (above - node.under).max(0.0);
+        self.under[lane] = node.under;
+        self.part[lane] = if above > 0.0 { node.under / above } else { 0.0 };
+        set_shares(&mut self.shares, lane, node.share);
+    }
+}
+
+fn set_shares(shares: &mut [Block<f32>; 2], lane: usize, of_point: [f32; 2]) {
+    for (row, share) in shares.iter_mut().zip(of_point) {
+        row[lane] = share;
+    }
+}
+
+/// Whether each node is a joint on the bone of the one before, the first on the bone of `top`.
+fn is_chain(tree: &JointTree, top: usize, nodes: &[Node]) -> bool {
+    let above = std::iter::once(top).chain(nodes.iter().map(|node| usize::from(node.joint)));
+    nodes.iter().zip(above).all(|(node, above)| usize::from(tree.parents[usize::from(node.joint)]) == above)
 }
 
 /// Joints that a point hangs on, parents first: the weight of each bone, and of all that hangs on it.

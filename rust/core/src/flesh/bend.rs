@@ -4,10 +4,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use super::anatomy::NearBlock;
-use super::lanes::{Points8, add, at, each, each3, scale, single, turned};
+use super::lanes::{Eight, held, single, smooth};
 use super::limb::Limb;
 use super::turn::Turn;
-use crate::numeric::block_rows::Block;
 
 /// How far along the limb, in radii: exp(−(x/width)²), to 4 %, as (1 − (x/width)²/8)⁸.
 const WIDTH: f32 = 0.9;
@@ -44,16 +43,16 @@ pub(super) struct Bent {
 }
 
 /// Eight places in the frame of a bend, at rest.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct InBend {
+#[derive(Clone, Copy)]
+pub(super) struct InBend<S: Simd> {
     /// Along the limb from the joint, in radii.
-    pub along: Block<f32>,
+    pub along: f32x8<S>,
     /// To the inside from the section's middle, in its reaches: 1 the inner skin, −1 the outer.
-    inside: Block<f32>,
+    inside: f32x8<S>,
     /// Along the axis, in radii.
-    across: Block<f32>,
+    across: f32x8<S>,
     /// Part of the point that is the joint's, all along the limb.
-    pub mask: Block<f32>,
+    pub mask: f32x8<S>,
 }
 
 impl Bent {
@@ -80,76 +79,76 @@ impl Bent {
         }
     }
 
-    /// Places turned by their share of the twist first: in the bone above they meet the bend so.
+    /// Places from the joint, turned by their share of the twist first: in the bone above they meet the bend so.
     #[inline(always)]
-    pub fn places<S: Simd>(&self, simd: S, near: &NearBlock, points: &Points8) -> InBend {
-        let mut from_head = *points;
-        for (row, head) in from_head.iter_mut().zip(self.head) {
-            for place in row {
-                *place -= head;
-            }
+    pub fn from_head<S: Simd>(&self, simd: S, near: &NearBlock, places: Eight<S>) -> Eight<S> {
+        let from_head = places - Eight::splat(simd, self.head);
+        if self.twist == 0.0 {
+            return from_head;
         }
-        if self.twist != 0.0 {
-            let shares = &near.shares;
-            from_head = each3(|lane| {
-                let v = at(&from_head, lane);
-                let share = shares[0][lane] + (shares[1][lane] - shares[0][lane]) * self.spread;
-                add(v, turned(self.axis_of_twist, v, share * self.twist))
-            });
-        }
-        let number = |value: f32| f32x8::splat(simd, value);
-        let [x, y, z] = [f32x8::simd_from(simd, from_head[0]), f32x8::simd_from(simd, from_head[1]), f32x8::simd_from(simd, from_head[2])];
-        let along = x * self.along[0] + y * self.along[1] + z * self.along[2];
-        let (x, y, z) = (x + self.to_head[0], y + self.to_head[1], z + self.to_head[2]);
-        let height = x * self.inside[0] + y * self.inside[1] + z * self.inside[2];
-        let across = x * self.axis[0] + y * self.axis[1] + z * self.axis[2];
-        let ([inner, outer, left, right], none) = (self.sides, number(0.0));
+        let [blended, along] = [f32x8::simd_from(simd, near.shares[0]), f32x8::simd_from(simd, near.shares[1])];
+        let share = blended + (along - blended) * self.spread;
+        from_head + from_head.turned(self.axis_of_twist, share * self.twist)
+    }
+
+    /// How far along the limb they lie, in radii.
+    #[inline(always)]
+    pub fn along<S: Simd>(&self, from_head: Eight<S>) -> f32x8<S> {
+        from_head.dot(self.along)
+    }
+
+    /// Places from the joint in the frame of the bend.
+    #[inline(always)]
+    pub fn places<S: Simd>(&self, simd: S, near: &NearBlock, from_head: Eight<S>) -> InBend<S> {
+        let from_middle = from_head + Eight::splat(simd, self.to_head);
+        let (height, across) = (from_middle.dot(self.inside), from_middle.dot(self.axis));
+        let ([inner, outer, left, right], none) = (self.sides, f32x8::splat(simd, 0.0));
         let inside = height.max(none) * inner + height.min(none) * outer;
         let sideways = across.max(none) * left + across.min(none) * right;
-        let rim = (inside * inside * (FRONT * FRONT) + sideways * sideways).sqrt();
-        let past = ((rim - RIM) * (1.0 / FADE)).max(none).min(number(1.0));
-        let mask = (number(1.0) - past * past * (number(3.0) - past * 2.0)) * f32x8::simd_from(simd, near.kin);
-        InBend { along: along.into(), inside: inside.into(), across: (across * self.per_radius).into(), mask: mask.into() }
+        let rim_squared = inside * inside * (FRONT * FRONT) + sideways * sideways;
+        let mut mask = f32x8::simd_from(simd, near.kin);
+        // Seldom: most skin lies within.
+        if rim_squared.simd_gt(f32x8::splat(simd, RIM * RIM)).any_true() {
+            mask = (-smooth((rim_squared.sqrt() - RIM) * (1.0 / FADE)) + 1.0) * mask;
+        }
+        InBend { along: self.along(from_head), inside, across: across * self.per_radius, mask }
     }
 }
 
 /// Sums over joints whose reaches overlap: as many as there are count as one.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Shifts {
-    sum: Points8,
-    weight: Block<f32>,
-    square: Block<f32>,
+#[derive(Clone, Copy)]
+pub(super) struct Shifts<S: Simd> {
+    sum: Eight<S>,
+    weight: f32x8<S>,
+    square: f32x8<S>,
 }
 
-impl Shifts {
-    pub const NONE: Self = Self { sum: [[0.0; 8]; 3], weight: [0.0; 8], square: [0.0; 8] };
+impl<S: Simd> Shifts<S> {
+    #[inline(always)]
+    pub fn none(simd: S) -> Self {
+        let none = f32x8::splat(simd, 0.0);
+        Self { sum: Eight::splat(simd, [0.0; 3]), weight: none, square: none }
+    }
 
     /// Adds shift and growth by one bend.
     #[inline(always)]
-    pub fn add(&mut self, bent: &Bent, places: &InBend) {
-        for lane in 0..8 {
-            let x = places.along[lane] * (1.0 / WIDTH);
-            let bell = (1.0 - x * x * (1.0 / ENDS)).max(0.0);
-            let (bell, inner) = (bell * bell, (0.5 * (1.0 + places.inside[lane])).clamp(0.0, 1.0));
-            let bell = bell * bell;
-            let part = bell * bell * places.mask[lane];
-            let shift = part * (bent.to_inside * inner + bent.from_outside * (1.0 - inner));
-            let growth = part * bent.wider * places.across[lane].clamp(-WIDE_MAX, WIDE_MAX);
-            for (sum, (inside, axis)) in self.sum.iter_mut().zip(bent.posed_inside.iter().zip(bent.posed_axis)) {
-                sum[lane] += inside * shift + axis * growth;
-            }
-            self.weight[lane] += part * bent.strength;
-            self.square[lane] += part * bent.strength * bent.strength;
-        }
+    pub fn add(&mut self, bent: &Bent, places: &InBend<S>) {
+        let x = places.along * (1.0 / WIDTH);
+        let bell = (-(x * x) * (1.0 / ENDS) + 1.0).max(f32x8::splat(x.token(), 0.0));
+        let (bell, inner) = (bell * bell, held((places.inside + 1.0) * 0.5, 0.0, 1.0));
+        let bell = bell * bell;
+        let part = bell * bell * places.mask;
+        let shift = part * (inner * bent.to_inside + (-inner + 1.0) * bent.from_outside);
+        let growth = part * bent.wider * held(places.across, -WIDE_MAX, WIDE_MAX);
+        self.sum = self.sum + (Eight::along(bent.posed_inside, shift) + Eight::along(bent.posed_axis, growth));
+        self.weight += part * bent.strength;
+        self.square += part * bent.strength * bent.strength;
     }
 
     /// The sum, over how many joints of their mean strength there are, if these are more than one.
     #[inline(always)]
-    pub fn total(&self) -> Points8 {
-        let parts = each(|lane| {
-            let (weight, square) = (self.weight[lane], self.square[lane]);
-            square / (weight * weight).max(square).max(f32::MIN_POSITIVE)
-        });
-        each3(|lane| scale(at(&self.sum, lane), parts[lane]))
+    pub fn total(self) -> Eight<S> {
+        let least = f32x8::splat(self.weight.token(), f32::MIN_POSITIVE);
+        self.sum.scale(self.square / (self.weight * self.weight).max(self.square).max(least))
     }
 }

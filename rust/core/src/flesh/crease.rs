@@ -1,12 +1,13 @@
 //! The inside of a bend closes on the plane that halves it: skin stays on its own bone's side.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
 use glam::DVec3;
 
 use super::bend::InBend;
-use super::lanes::{Points8, at, dot, each, single, smooth};
+use super::lanes::{Eight, held, single, smooth};
 use super::smoothstep;
 use super::turn::Turn;
-use crate::numeric::block_rows::{Block, LANES};
 
 /// It begins to close at this bend, and holds in full from so much more on; radians.
 const BEGINS: f64 = 0.6;
@@ -52,32 +53,46 @@ impl Crease {
         })
     }
 
-    /// How much each point is the crease's, before it is known where it stands.
+    /// Whether any of eight points that lie so far `along` the limb, and now stand `from_joint`, is on the inside, near the plane or
+    /// beyond it.
     #[inline(always)]
-    pub fn parts(&self, rest: &InBend) -> Block<f32> {
-        each(|lane| self.closes * rest.mask[lane] * (1.0 - smooth((rest.along[lane].abs() - REACH) / FADE)))
+    pub fn concerns<S: Simd>(&self, along: f32x8<S>, from_joint: Eight<S>) -> bool {
+        let (simd, off) = (along.token(), along.abs());
+        let is_inside = from_joint.dot(self.inside).simd_gt(f32x8::splat(simd, 0.0));
+        let is_near = off.simd_lt(f32x8::splat(simd, REACH + FADE));
+        let has_no_room = self.short(along, from_joint).simd_gt(f32x8::splat(simd, -ROOM));
+        (is_inside & is_near & has_no_room).any_true()
+    }
+
+    /// How far points are on the wrong side of the plane, or nearer to it than the margin.
+    #[inline(always)]
+    fn short<S: Simd>(&self, along: f32x8<S>, from_joint: Eight<S>) -> f32x8<S> {
+        let margin = (along.abs() * 0.25).min(f32x8::splat(along.token(), MARGIN));
+        margin - side(along) * from_joint.dot(self.along)
     }
 
     /// Holds points that stand `from_joint` on their side: adds to `by`, and takes what lies in the closed crease from `free`.
     #[inline(always)]
-    pub fn hold(&self, rest: &InBend, parts: &Block<f32>, from_joint: &Points8, by: &mut Points8, free: &mut Block<f32>) {
-        for lane in 0..LANES {
-            let place = at(from_joint, lane);
-            let closes = parts[lane] * smooth(dot(place, self.inside) * (1.0 / ABOVE));
-            let side = if rest.along[lane] < 0.0 { -1.0 } else { 1.0 };
-            let off = rest.along[lane].abs();
-            let margin = MARGIN.min(0.25 * off);
-            let short = margin - side * dot(place, self.along);
-            // What is larger of short and 0, rounded off between −SOFT and SOFT.
-            let round = (short + SOFT).clamp(0.0, 2.0 * SOFT);
-            let short_round = round * round * (0.25 / SOFT) + (short - SOFT).max(0.0);
-            let deep = (short_round * (1.0 / DEEP)) * (short_round * (1.0 / DEEP));
-            let pushed = short_round / (1.0 + deep * deep).sqrt().sqrt() * smooth(off * (1.0 / SIDES));
-            for (by, along) in by.iter_mut().zip(self.posed_along) {
-                by[lane] += along * (side * pushed * closes);
-            }
-            let touch = closes * (1.0 - smooth((pushed - short) * (1.0 / ROOM)));
-            free[lane] *= 1.0 - touch;
-        }
+    pub fn hold<S: Simd>(&self, rest: &InBend<S>, from_joint: Eight<S>, by: &mut Eight<S>, free: &mut f32x8<S>) {
+        let simd = free.token();
+        let off = rest.along.abs();
+        let inside = smooth(from_joint.dot(self.inside) * (1.0 / ABOVE));
+        let closes = rest.mask * self.closes * (-smooth((off - REACH) * (1.0 / FADE)) + 1.0) * inside;
+        let short = self.short(rest.along, from_joint);
+        // What is larger of short and 0, rounded off between −SOFT and SOFT.
+        let round = held(short + SOFT, 0.0, 2.0 * SOFT);
+        let short_round = round * round * (0.25 / SOFT) + (short - SOFT).max(f32x8::splat(simd, 0.0));
+        let deep = (short_round * (1.0 / DEEP)) * (short_round * (1.0 / DEEP));
+        let pushed = short_round / (deep * deep + 1.0).sqrt().sqrt() * smooth(off * (1.0 / SIDES));
+        *by = *by + Eight::along(self.posed_along, side(rest.along) * pushed * closes);
+        let touch = closes * (-smooth((pushed - short) * (1.0 / ROOM)) + 1.0);
+        *free = *free * (-touch + 1.0);
     }
+}
+
+/// 1 on the joint's own side, −1 on that of the bone above.
+#[inline(always)]
+fn side<S: Simd>(along: f32x8<S>) -> f32x8<S> {
+    let one = f32x8::splat(along.token(), 1.0);
+    along.simd_lt(f32x8::splat(along.token(), 0.0)).select(-one, one)
 }

@@ -2,19 +2,20 @@
 
 use std::ops::Range;
 
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch, f32x8};
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::anatomy::Anatomy;
+use super::anatomy::{Anatomy, ChainBlock, NearBlock, Node};
 use super::bend::{Bent, Shifts};
 use super::crease::Crease;
-use super::lanes::{self, Points8, single};
+use super::lanes::Eight;
 use super::settings::Flesh;
 use super::smoothstep;
 use super::turn::Turn;
-use super::twist::{Twisted, Twists};
+use super::twist::{Chain, Link, Twists};
 use crate::numeric::block_rows::{Block, LANES, PATCH_POINTS};
-use crate::numeric::lanes::{V4, to};
+use crate::numeric::lanes::{V4, ZERO, to};
 use crate::parallel::split::{Ragged, for_each_piece};
 use crate::skinning::blend::Mode;
 use crate::skinning::motions::Motions;
@@ -46,18 +47,18 @@ pub(crate) struct Shape {
 }
 
 /// What a frame brings for each point.
-pub(crate) struct Points<'a, P, S, F> {
-    /// Where the point in a slot rests, armature space.
-    pub place: P,
-    /// Where it is skinned.
-    pub skinned: S,
-    /// Part of what the law adds that holds there; `None`: all.
-    pub factor: Option<F>,
-    /// Amid the rest places.
-    pub centre: DVec3,
-    /// Unit vectors at rest that are turned along, in a space of their own; none: empty.
-    pub normals: &'a [V4],
-    pub armature_from_normals: DMat3,
+pub(crate) trait Points: Sync {
+    /// Where eight points of a patch rest, object space about the centre; the rows of `room` are free.
+    fn rest<'a>(&'a self, patch: usize, number: usize, room: &'a mut [Block<f64>; 3]) -> [&'a Block<f64>; 3];
+
+    /// Where the points of a patch are skinned, armature space − origin.
+    fn skin(&self, patch: usize, places: &mut [V4; PATCH_POINTS]);
+
+    /// Part of what the law adds that holds at the point in a slot; `None`: all, everywhere.
+    fn factor(&self) -> Option<impl Fn(usize) -> f64>;
+
+    /// Unit vectors at rest that are turned along, object space; none: empty.
+    fn normals(&self) -> &[V4];
 }
 
 impl Shape {
@@ -170,30 +171,30 @@ impl Shape {
     }
 
     /// Works out what is added to each point.
-    pub fn shape<P, S, F>(&mut self, anatomy: &Anatomy, motions: &Motions, patches: &Patches, points: &Points<P, S, F>)
-    where
-        P: Fn(usize) -> DVec3 + Sync,
-        S: Fn(usize) -> DVec3 + Sync,
-        F: Fn(usize) -> f64 + Sync,
-    {
+    pub fn shape(&mut self, anatomy: &Anatomy, motions: &Motions, patches: &Patches, points: &impl Points) {
         self.offsets.resize(patches.slot_count(), [0.0; 4]);
-        self.turned.resize(points.normals.len(), [0.0; 4]);
+        self.turned.resize(points.normals().len(), [0.0; 4]);
         self.free.resize(if self.has_creases { patches.slot_count() } else { 0 }, 1.0);
+        let (palette, tree) = (&motions.palette, &motions.tree);
+        let centre = palette.armature_from_rest().translation;
+        let twists = Twists { limbs: &anatomy.limbs, turns: &self.turns, channels: &motions.channels };
+        let is_linear = palette.mode == Mode::Linear;
+        let has_links = is_linear && self.turns.iter().any(|turn| turn.twist != 0.0);
         self.joints.clear();
         self.joints.extend(anatomy.limbs.iter().zip(&self.turns).enumerate().map(|(joint, (limb, turn))| {
-            limb.as_ref().filter(|_| !turn.is_still()).map_or(InFrame::default(), |limb| {
-                let (above, own) = (&motions.channels[usize::from(motions.tree.parents[joint])], &motions.channels[joint]);
-                InFrame {
-                    twisted: (turn.twist != 0.0).then(|| Twisted::new(limb, turn, above, own, points.centre)),
-                    bent: (turn.bend.strength > 0.0).then(|| Bent::new(limb, turn, points.centre)),
-                    crease: Crease::new(turn, own.transform_point3(limb.head)),
-                }
+            let link = if has_links { Link::new(&twists, joint, usize::from(tree.parents[joint]), centre) } else { Link::default() };
+            let own = &motions.channels[joint];
+            limb.as_ref().filter(|_| !turn.is_still()).map_or(InFrame { link, ..InFrame::default() }, |limb| InFrame {
+                is_moved: true,
+                link,
+                bent: (turn.bend.strength > 0.0).then(|| Bent::new(limb, turn, centre)),
+                crease: Crease::new(turn, own.transform_point3(limb.head) - palette.origin),
             })
         }));
-        let twists = Twists { limbs: &anatomy.limbs, turns: &self.turns, channels: &motions.channels };
-        let frame = Frame { anatomy, joints: &self.joints, twists, is_linear: motions.palette.mode == Mode::Linear };
+        let armature_from_rest = palette.armature_from_rest().matrix3;
+        let frame = Frame { anatomy, joints: &self.joints, twists, armature_from_rest, centre, origin: palette.origin, is_linear };
         let level = Level::new();
-        let turned_offsets = if points.normals.is_empty() { &patches.no_rows } else { &patches.slot_offsets };
+        let turned_offsets = if self.turned.is_empty() { &patches.no_rows } else { &patches.slot_offsets };
         let free_offsets = if self.has_creases { &patches.slot_offsets } else { &patches.no_rows };
         for_each_piece(
             patches.list.len(),
@@ -205,7 +206,7 @@ impl Shape {
             &|index, (offsets, turned, free)| {
                 let slots = patches.list[index].start..patches.list[index].start + patches.list[index].owned;
                 let (offsets, free) = (offsets.values.as_chunks_mut().0, free.values.as_chunks_mut().0);
-                dispatch!(level, simd => frame.patch(simd, index, slots, points, (offsets, turned.values), free));
+                dispatch!(level, simd => frame.patch(simd, (index, slots), points, (offsets, turned.values), free));
             },
         );
     }
@@ -214,7 +215,8 @@ impl Shape {
 /// What one joint does in one frame.
 #[derive(Debug, Clone, Copy, Default)]
 struct InFrame {
-    twisted: Option<Twisted>,
+    is_moved: bool,
+    link: Link,
     bent: Option<Bent>,
     crease: Option<Crease>,
 }
@@ -224,200 +226,178 @@ struct Frame<'a> {
     anatomy: &'a Anatomy,
     joints: &'a [InFrame],
     twists: Twists<'a>,
+    armature_from_rest: DMat3,
+    centre: DVec3,
+    origin: DVec3,
     is_linear: bool,
 }
 
-const BLOCKS: usize = PATCH_POINTS / LANES;
-const NOWHERE: Points8 = [[0.0; LANES]; 3];
-
 impl Frame<'_> {
+    fn joint(&self, joint: u16) -> &InFrame {
+        &self.joints[usize::from(joint)]
+    }
+
     /// What is added to the points of a patch, and what of them lies in no closed crease.
     #[inline(always)]
-    fn patch<V: Simd, P, S, F>(
+    fn patch<V: Simd>(
         &self,
         simd: V,
-        index: usize,
-        slots: Range<usize>,
-        points: &Points<P, S, F>,
+        (index, slots): (usize, Range<usize>),
+        points: &impl Points,
         (offsets, turned): (&mut [Block<[f32; 4]>], &mut [[f32; 4]]),
         free: &mut [Block<f32>],
-    ) where
-        P: Fn(usize) -> DVec3,
-        S: Fn(usize) -> DVec3,
-        F: Fn(usize) -> f64,
-    {
-        offsets.as_flattened_mut().fill([0.0; 4]);
+    ) {
         turned.fill([0.0; 4]);
         free.as_flattened_mut().fill(1.0);
-        let Anatomy { nodes, tops, near, near_of_patch, twists, twists_of_patch, nodes_of_patch, .. } = self.anatomy;
-        let (near_rows, twist_rows) = (near_of_patch.row(index), twists_of_patch.row(index));
-        let of_joint = |joint: u16| &self.joints[usize::from(joint)];
-        let has_bends = near_rows.iter().any(|row| of_joint(row.joint).bent.is_some());
-        let has_twists = twist_rows.iter().any(|row| of_joint(row.joint).twisted.is_some());
-        let is_moved = |joint: u16| of_joint(joint).twisted.is_some() || (!self.is_linear && of_joint(joint).bent.is_some());
-        let has_nodes = nodes_of_patch.row(index).iter().any(|&joint| is_moved(joint));
-        if !(has_bends || has_twists || has_nodes) {
+        let Anatomy { near, chains, joints_of_patch, .. } = self.anatomy;
+        let joints = || joints_of_patch.row(index).iter().map(|&joint| self.joint(joint));
+        if !joints().any(|joint| joint.is_moved) {
+            offsets.as_flattened_mut().fill([0.0; 4]);
             return;
         }
-        let (mut places, mut added) = ([NOWHERE; BLOCKS], [NOWHERE; BLOCKS]);
-        for (at, slot) in slots.clone().enumerate() {
-            put(&mut places, at, single((points.place)(slot) - points.centre));
+        let mut skinned = [ZERO; PATCH_POINTS];
+        if joints().any(|joint| joint.crease.is_some() || (joint.is_moved && !self.is_linear)) {
+            points.skin(index, &mut skinned);
         }
-        for row in twist_rows {
-            if let Some(twisted) = &of_joint(row.joint).twisted {
-                for block in twists.row(row.row as usize) {
-                    twisted.add(block, &places[block.number as usize], &mut added[block.number as usize]);
-                }
-            }
-        }
-        if has_nodes {
-            for (at, slot) in slots.clone().enumerate() {
-                let nodes = nodes.row(slot);
-                if !nodes.iter().any(|node| is_moved(node.joint)) {
-                    continue;
-                }
-                let blended = self.twists.blended(nodes, usize::from(tops[slot]), (points.place)(slot));
-                // With dual quaternions the law is still told from the linear blend: what that is apart from them comes first.
-                let apart = if self.is_linear { DVec3::ZERO } else { (blended.place - (points.skinned)(slot)) * blended.amount };
-                let so_far = at_lane(&added, at);
-                put(&mut added, at, lanes::add(so_far, single(blended.by + apart)));
-            }
-        }
-        if !turned.is_empty() && (has_twists || has_nodes) {
-            self.turn_normals(index, slots.clone(), points, &places, turned);
-        }
-        if has_bends {
-            let mut shifts = [Shifts::NONE; BLOCKS];
-            for row in near_rows {
-                if let Some(bent) = &of_joint(row.joint).bent {
-                    for block in near.row(row.row as usize) {
-                        let number = block.number as usize;
-                        shifts[number].add(bent, &bent.places(simd, block, &places[number]));
+        let (skinned, _) = skinned.as_chunks();
+        let factor = points.factor();
+        for (number, (offsets, skinned)) in offsets.iter_mut().zip(skinned).enumerate() {
+            let first = slots.start + number * LANES;
+            let (near, chains) = (near.row(first / LANES), chains.row(first / LANES));
+            let mut room = [[0.0; LANES]; 3];
+            let at_rest = points.rest(index, number, &mut room);
+            let rest = Eight::images(simd, &self.armature_from_rest, at_rest);
+            let mut added = self.turned_by(simd, chains, rest) + self.hung(simd, first, at_rest, skinned);
+            if near.iter().any(|block| self.joint(block.joint).bent.is_some()) {
+                let mut shifts = Shifts::none(simd);
+                for block in near {
+                    if let Some(bent) = &self.joint(block.joint).bent {
+                        shifts.add(bent, &bent.places(simd, block, bent.from_head(simd, block, rest)));
                     }
                 }
+                added = added + shifts.total();
+                if let Some(free) = free.get_mut(number) {
+                    self.crease(simd, near, rest, skinned, &mut added, free);
+                }
             }
-            for (added, shifts) in added.iter_mut().zip(&shifts) {
-                add_to(added, &shifts.total());
+            if let Some(factor) = &factor {
+                let mut factors = [0.0; LANES];
+                for (lane, slot) in (first..slots.end).take(LANES).enumerate() {
+                    factors[lane] = factor(slot) as f32;
+                }
+                let factors = f32x8::simd_from(simd, factors);
+                added = added.scale(factors);
+                if let Some(free) = free.get_mut(number) {
+                    *free = (-((-f32x8::simd_from(simd, *free) + 1.0) * factors) + 1.0).into();
+                }
             }
-            self.crease(simd, index, slots.clone(), points, &places, &mut added, free);
+            *offsets = added.rows(simd);
+            if !turned.is_empty() {
+                let normals = &points.normals()[first..slots.end];
+                self.turn_normals(simd, (first, chains), (at_rest, rest), normals, &mut turned[number * LANES..]);
+            }
         }
-        for (at, slot) in slots.enumerate() {
-            let factor = points.factor.as_ref().map_or(1.0, |factor| factor(slot) as f32);
-            let [x, y, z] = lanes::scale(at_lane(&added, at), factor);
-            offsets[at / LANES][at % LANES] = [x, y, z, 0.0];
-            if let Some(free) = free.get_mut(at / LANES) {
-                free[at % LANES] = 1.0 - (1.0 - free[at % LANES]) * factor;
+    }
+
+    /// What twists add to points that hang on chains of joints.
+    #[inline(always)]
+    fn turned_by<V: Simd>(&self, simd: V, blocks: &[ChainBlock], rest: Eight<V>) -> Eight<V> {
+        let mut chain = Chain::new(simd, rest);
+        let count = blocks.iter().rposition(|block| self.joint(block.joint).link.twist != 0.0).map_or(0, |last| last + 1);
+        for (number, block) in blocks[..count].iter().enumerate() {
+            chain.follow(simd, &self.joint(block.joint).link, block, number + 1 == count);
+        }
+        chain.by
+    }
+
+    /// What turning by angle adds to points that hang on joints in any other way.
+    #[inline(always)]
+    fn hung<V: Simd>(&self, simd: V, first: usize, at_rest: [&Block<f64>; 3], skinned: &[V4; LANES]) -> Eight<V> {
+        let mut added = [[0.0; LANES]; 3];
+        self.for_each_hung(first, |lane, nodes| {
+            let blended = self.twists.blended(nodes, usize::from(self.anatomy.tops[first + lane]), self.place(at_rest, lane));
+            // With dual quaternions the law is still told from the linear blend: what that is apart from them comes first.
+            let by_angle = (blended.place - self.origin - to(skinned[lane])) * blended.amount;
+            let apart = if self.is_linear { DVec3::ZERO } else { by_angle };
+            put(&mut added, lane, blended.by + apart);
+        });
+        Eight::of(simd, &added)
+    }
+
+    /// Visits points of eight slots whose nodes are moved.
+    #[inline(always)]
+    fn for_each_hung(&self, first: usize, mut visit: impl FnMut(usize, &[Node])) {
+        let nodes = &self.anatomy.nodes;
+        if nodes.offsets()[first] == nodes.offsets()[first + LANES] {
+            return;
+        }
+        let is_moved = |joint: &InFrame| if self.is_linear { joint.link.twist != 0.0 } else { joint.is_moved };
+        for lane in 0..LANES {
+            let nodes = nodes.row(first + lane);
+            if nodes.iter().any(|node| is_moved(self.joint(node.joint))) {
+                visit(lane, nodes);
             }
         }
+    }
+
+    /// Rest place of one of eight points, armature space.
+    fn place(&self, [x, y, z]: [&Block<f64>; 3], lane: usize) -> DVec3 {
+        self.armature_from_rest * DVec3::new(x[lane], y[lane], z[lane]) + self.centre
     }
 
     /// What turning by angle adds to normals: as affine as what it adds to points.
     #[inline(always)]
-    fn turn_normals<P, S, F>(
+    fn turn_normals<V: Simd>(
         &self,
-        index: usize,
-        slots: Range<usize>,
-        points: &Points<P, S, F>,
-        places: &[Points8; BLOCKS],
+        simd: V,
+        (first, chains): (usize, &[ChainBlock]),
+        (at_rest, rest): ([&Block<f64>; 3], Eight<V>),
+        normals: &[V4],
         turned: &mut [[f32; 4]],
-    ) where
-        P: Fn(usize) -> DVec3,
-    {
-        let Anatomy { nodes, tops, twists, twists_of_patch, .. } = self.anatomy;
-        let (mut ends, mut by) = (*places, [NOWHERE; BLOCKS]);
-        let normal = |slot: usize| (points.armature_from_normals * to(points.normals[slot])).normalize_or_zero();
-        for (at, slot) in slots.clone().enumerate() {
-            put(&mut ends, at, single((points.place)(slot) - points.centre + normal(slot)));
+    ) {
+        let normal = |lane: usize| (self.armature_from_rest * to(normals[lane])).normalize_or_zero();
+        let (mut along, mut by_nodes) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+        for lane in 0..LANES.min(normals.len()) {
+            put(&mut along, lane, normal(lane));
         }
-        for row in twists_of_patch.row(index) {
-            if let Some(twisted) = &self.joints[usize::from(row.joint)].twisted {
-                for block in twists.row(row.row as usize) {
-                    let number = block.number as usize;
-                    let mut start = NOWHERE;
-                    twisted.add(block, &places[number], &mut start);
-                    twisted.add(block, &ends[number], &mut by[number]);
-                    for axis in 0..3 {
-                        for lane in 0..LANES {
-                            by[number][axis][lane] -= start[axis][lane];
-                        }
-                    }
-                }
-            }
-        }
-        for (at, slot) in slots.enumerate() {
-            let nodes = nodes.row(slot);
-            let mut sum = at_lane(&by, at);
-            if nodes.iter().any(|node| self.joints[usize::from(node.joint)].twisted.is_some()) {
-                let (top, place) = (usize::from(tops[slot]), (points.place)(slot));
-                let along = self.twists.blended(nodes, top, place + normal(slot)).by - self.twists.blended(nodes, top, place).by;
-                sum = lanes::add(sum, single(along));
-            }
-            let [x, y, z] = sum;
-            turned[at] = [x, y, z, 0.0];
-        }
+        self.for_each_hung(first, |lane, nodes| {
+            let (top, place) = (usize::from(self.anatomy.tops[first + lane]), self.place(at_rest, lane));
+            let by = |place: DVec3| self.twists.blended(nodes, top, place).by;
+            put(&mut by_nodes, lane, by(place + normal(lane)) - by(place));
+        });
+        let ends = rest + Eight::of(simd, &along);
+        let by = self.turned_by(simd, chains, ends) - self.turned_by(simd, chains, rest) + Eight::of(simd, &by_nodes);
+        let rows = by.rows(simd);
+        let count = normals.len().min(LANES);
+        turned[..count].copy_from_slice(&rows[..count]);
     }
 
     /// Closes creases, each by where skin stands without any.
     #[inline(always)]
-    #[allow(clippy::too_many_arguments, reason = "rows of one patch")]
-    fn crease<V: Simd, P, S, F>(
+    fn crease<V: Simd>(
         &self,
         simd: V,
-        index: usize,
-        slots: Range<usize>,
-        points: &Points<P, S, F>,
-        places: &[Points8; BLOCKS],
-        added: &mut [Points8; BLOCKS],
-        free: &mut [Block<f32>],
-    ) where
-        S: Fn(usize) -> DVec3,
-    {
-        let rows = self.anatomy.near_of_patch.row(index);
-        if free.is_empty() || rows.iter().all(|row| self.joints[usize::from(row.joint)].crease.is_none()) {
-            return;
-        }
+        near: &[NearBlock],
+        rest: Eight<V>,
+        skinned: &[V4; LANES],
+        added: &mut Eight<V>,
+        free: &mut Block<f32>,
+    ) {
         let shaped = *added;
-        let mut skinned: [Option<[DVec3; LANES]>; BLOCKS] = [None; BLOCKS];
-        for row in rows {
-            let InFrame { bent: Some(bent), crease: Some(crease), .. } = &self.joints[usize::from(row.joint)] else { continue };
-            for block in self.anatomy.near.row(row.row as usize) {
-                let number = block.number as usize;
-                let rest = bent.places(simd, block, &places[number]);
-                let parts = crease.parts(&rest);
-                if parts.iter().all(|part| *part <= 0.0) {
-                    continue;
-                }
-                let skinned = skinned[number].get_or_insert_with(|| {
-                    std::array::from_fn(|lane| {
-                        let slot = slots.start + number * LANES + lane;
-                        if slot < slots.end { (points.skinned)(slot) } else { DVec3::ZERO }
-                    })
-                });
-                let mut from_joint = lanes::each3(|lane| single(skinned[lane] - crease.joint));
-                add_to(&mut from_joint, &shaped[number]);
-                crease.hold(&rest, &parts, &from_joint, &mut added[number], &mut free[number]);
+        let mut left = f32x8::simd_from(simd, *free);
+        for block in near {
+            let InFrame { bent: Some(bent), crease: Some(crease), .. } = self.joint(block.joint) else { continue };
+            let (from_head, from_joint) = (bent.from_head(simd, block, rest), Eight::of_rows(simd, skinned, crease.joint) + shaped);
+            if crease.concerns(bent.along(from_head), from_joint) {
+                crease.hold(&bent.places(simd, block, from_head), from_joint, added, &mut left);
             }
         }
+        *free = left.into();
     }
 }
 
-#[inline(always)]
-fn at_lane(points: &[Points8; BLOCKS], at: usize) -> [f32; 3] {
-    lanes::at(&points[at / LANES], at % LANES)
-}
-
-#[inline(always)]
-fn put(points: &mut [Points8; BLOCKS], at: usize, v: [f32; 3]) {
-    for axis in 0..3 {
-        points[at / LANES][axis][at % LANES] = v[axis];
-    }
-}
-
-#[inline(always)]
-fn add_to(points: &mut Points8, by: &Points8) {
-    for axis in 0..3 {
-        for lane in 0..LANES {
-            points[axis][lane] += by[axis][lane];
-        }
+fn put(points: &mut [Block<f32>; 3], lane: usize, v: DVec3) {
+    for (row, coordinate) in points.iter_mut().zip(v.as_vec3().to_array()) {
+        row[lane] = coordinate;
     }
 }

@@ -8,13 +8,14 @@
 //! twist τ in `L_c`, all others by s τ. Where the point is a bone's alone and s is 1 nothing changes; in a pure twist the
 //! point is turned by s τ as a whole, whatever the weights. Kept is the difference from linear skinning.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
 use glam::{DAffine3, DVec3};
 
-use super::anatomy::{NODES_MAX, Node, TwistBlock};
-use super::lanes::{self, Points8, at, image, scale, single, single3, turned};
+use super::anatomy::{ChainBlock, NODES_MAX, Node};
+use super::lanes::{Eight, single, single3};
 use super::limb::Limb;
 use super::turn::Turn;
-use crate::numeric::block_rows::LANES;
 
 /// What a frame does to the joints, as twists need it.
 #[derive(Clone, Copy)]
@@ -114,44 +115,71 @@ impl Twists<'_> {
     }
 }
 
-/// A joint's twist in one frame, for points that hang on it and the bone above alone.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Twisted {
+/// A joint in one frame, for points that hang on a chain of such.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Link {
     head: [f32; 3],
     axis: [f32; 3],
-    twist: f32,
+    pub twist: f32,
     spread: f32,
     /// Turns of the bone above, and of the joint's own.
     above: [[f32; 3]; 3],
     own: [[f32; 3]; 3],
+    /// What the joint does that the one above does not, and where that takes the centre.
+    local: [[f32; 3]; 3],
+    shift: [f32; 3],
 }
 
-impl Twisted {
+impl Link {
     /// `centre`: that places are told from.
-    pub fn new(limb: &Limb, turn: &Turn, above: &DAffine3, own: &DAffine3, centre: DVec3) -> Self {
+    pub fn new(twists: &Twists, joint: usize, above: usize, centre: DVec3) -> Self {
+        let (limb, turn) = (twists.limbs[joint].as_ref(), &twists.turns[joint]);
+        let local = twists.local(joint, above);
         Self {
-            head: single(limb.head - centre),
-            axis: single(limb.axis),
+            head: limb.map_or([0.0; 3], |limb| single(limb.head - centre)),
+            axis: limb.map_or([0.0; 3], |limb| single(limb.axis)),
             twist: turn.twist as f32,
             spread: turn.spread as f32,
-            above: single3(&above.matrix3),
-            own: single3(&own.matrix3),
+            above: single3(&twists.channels[above].matrix3),
+            own: single3(&twists.channels[joint].matrix3),
+            local: single3(&local.matrix3),
+            shift: single(local.transform_point3(centre) - centre),
         }
     }
+}
 
-    /// Adds what turning by angle does: s τ before the bone above moves what is its own, −(1 − s) τ before the joint does.
+/// Eight points on their way up a chain of joints.
+#[derive(Clone, Copy)]
+pub(super) struct Chain<S: Simd> {
+    rest: Eight<S>,
+    /// Where joints so far leave them, in the rest space of the bone above.
+    place: Eight<S>,
+    /// What turning by angle adds, posed.
+    pub by: Eight<S>,
+}
+
+impl<S: Simd> Chain<S> {
     #[inline(always)]
-    pub fn add(&self, block: &TwistBlock, points: &Points8, by: &mut Points8) {
-        for lane in 0..LANES {
-            let from_head = lanes::sub(at(points, lane), self.head);
-            let (blended, along, part) = (block.shares[0][lane], block.shares[1][lane], block.under[lane]);
-            let kept = (blended + (along - blended) * self.spread) * self.twist;
-            let above = scale(turned(self.axis, from_head, kept), 1.0 - part);
-            let own = scale(turned(self.axis, from_head, kept - self.twist), part);
-            let added = lanes::add(image(&self.above, above), image(&self.own, own));
-            for (by, added) in by.iter_mut().zip(added) {
-                by[lane] += added;
-            }
+    pub fn new(simd: S, rest: Eight<S>) -> Self {
+        Self { rest, place: rest, by: Eight::splat(simd, [0.0; 3]) }
+    }
+
+    /// s τ before the bone above moves what is its own, −(1 − s) τ before the joint does. `is_last`: nothing above twists.
+    #[inline(always)]
+    pub fn follow(&mut self, simd: S, link: &Link, block: &ChainBlock, is_last: bool) {
+        let (mut above, mut own) = (self.rest, self.place);
+        if link.twist != 0.0 {
+            let [blended, along] = [f32x8::simd_from(simd, block.shares[0]), f32x8::simd_from(simd, block.shares[1])];
+            let kept = (blended + (along - blended) * link.spread) * link.twist;
+            let head = Eight::splat(simd, link.head);
+            let (turned_above, turned_own) = ((above - head).turned(link.axis, kept), (own - head).turned(link.axis, kept - link.twist));
+            let by_above = turned_above.scale(f32x8::simd_from(simd, block.above)).image(&link.above);
+            self.by = self.by + (by_above + turned_own.scale(f32x8::simd_from(simd, block.under)).image(&link.own));
+            (above, own) = (above + turned_above, own + turned_own);
+        }
+        if !is_last {
+            let own = own.image(&link.local) + Eight::splat(simd, link.shift);
+            self.place = above + (own - above).scale(f32x8::simd_from(simd, block.part));
         }
     }
 }

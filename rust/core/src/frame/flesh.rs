@@ -2,13 +2,19 @@
 
 use std::sync::Arc;
 
+use fearless_simd::{Level, dispatch};
+
 use super::buffers::{ComponentTarget, Losses, Posed, Skinned, Targets};
+use super::scratch::with_scratch;
+use super::skin::skin_points;
 use super::{Bound, Mask, Pose, widened};
 use crate::binding::Binding;
 use crate::fields::field::FieldFrame;
 use crate::flesh::settings::Flesh;
 use crate::flesh::shape::{Points, Shape};
+use crate::numeric::block_rows::{Block, LANES, PATCH_POINTS};
 use crate::numeric::lanes::{self, V4};
+use crate::surface::patches::Patch;
 use crate::volume_losses::staged::giant_volume;
 
 /// What joints lose by turns that cannot be told from their losses is shared by how much they turn, as this part of what a
@@ -39,22 +45,56 @@ fn start(flesh: &mut Shape, mask: Option<&Mask>, bound: Bound, pose: &Pose, pose
     }
     let palette = &posed.motions.palette;
     flesh.untwist(anatomy, &posed.motions, &posed.channels, (palette.armature_from_rest(), palette.origin), binding.size);
-    let (sites, rest) = (&binding.sites, posed.body.rest(binding));
+    let sites = &binding.sites;
     let has_factor = mask.is_some() || pose.is_fleshed.is_some() || !sites.influences.mask.is_empty();
-    let points = Points {
-        place: |slot: usize| lanes::to(palette.in_armature(sites.mean(slot, |site| rest[site]))),
-        skinned: |slot: usize| lanes::to(sites.mean(slot, |site| palette.skin(&sites.influences, site, rest[site]))) + palette.origin,
-        centre: palette.armature_from_rest().translation,
-        normals: if bound.supports.is_even { &binding.normals().directions } else { &[] },
-        armature_from_normals: palette.armature_from_rest().matrix3,
-        factor: has_factor.then_some(|slot: usize| {
+    let normals = if bound.supports.is_even { &*binding.normals().directions } else { &[] };
+    flesh.shape(anatomy, &posed.motions, &binding.patches, &Body { binding, posed, pose, mask, has_factor, normals });
+    true
+}
+
+/// The body of a frame, as the law asks for it.
+struct Body<'a> {
+    binding: &'a Binding,
+    posed: &'a Posed,
+    pose: &'a Pose<'a>,
+    mask: Option<&'a Mask>,
+    has_factor: bool,
+    normals: &'a [V4],
+}
+
+impl Points for Body<'_> {
+    #[inline(always)]
+    fn rest<'a>(&'a self, patch: usize, number: usize, room: &'a mut [Block<f64>; 3]) -> [&'a Block<f64>; 3] {
+        let Binding { sites, patches, plan, .. } = self.binding;
+        if self.posed.body.of_site.is_empty() {
+            return plan.stages.rest(patch, number);
+        }
+        let rest = self.posed.body.rest(self.binding);
+        let &Patch { start, owned, .. } = &patches.list[patch];
+        for (lane, slot) in (start + number * LANES..start + owned).take(LANES).enumerate() {
+            let place = sites.mean(slot, |site| rest[site]);
+            room.iter_mut().zip(place).for_each(|(row, coordinate)| row[lane] = coordinate);
+        }
+        room.each_ref()
+    }
+
+    fn skin(&self, patch: usize, places: &mut [V4; PATCH_POINTS]) {
+        with_scratch(|scratch| {
+            dispatch!(Level::new(), simd => skin_points(simd, self.binding, self.posed, patch, &mut scratch.rows, places));
+        });
+    }
+
+    fn factor(&self) -> Option<impl Fn(usize) -> f64> {
+        let Self { binding, posed, pose, mask, .. } = *self;
+        let (sites, bones) = (&binding.sites, &posed.motions.tree.bones);
+        let is_fleshed = move |joint: u16| {
+            let bone = bones.get(usize::from(joint));
+            pose.is_fleshed.zip(bone).is_some_and(|(fleshed, &bone)| fleshed[bone as usize])
+        };
+        self.has_factor.then_some(move |slot: usize| {
             let of_site = |site: usize| {
                 let (joints, weights) = sites.influences.of(site);
-                let fleshed = joints.iter().zip(weights).filter(|(joint, _)| {
-                    let joint = usize::from(**joint);
-                    joint < bones.len() && is_fleshed(joint)
-                });
-                let fleshed: f64 = if pose.is_fleshed.is_some() { fleshed.map(|(_, weight)| weight).sum() } else { 0.0 };
+                let fleshed: f64 = joints.iter().zip(weights).filter(|(joint, _)| is_fleshed(**joint)).map(|(_, weight)| weight).sum();
                 sites.share(site) * sites.influences.mask(site) * (1.0 - fleshed.min(1.0))
             };
             let free = mask.map_or(1.0, |mask| {
@@ -62,10 +102,12 @@ fn start(flesh: &mut Shape, mask: Option<&Mask>, bound: Bound, pose: &Pose, pose
                 if is_pinned { 0.0 } else { f64::from(mask.of_slot[slot]) }
             });
             free * sites.of_slot(slot).map(of_site).sum::<f64>()
-        }),
-    };
-    flesh.shape(anatomy, &posed.motions, &binding.patches, &points);
-    true
+        })
+    }
+
+    fn normals(&self) -> &[V4] {
+        self.normals
+    }
 }
 
 /// Skin that lies in a closed crease has no room to grow.

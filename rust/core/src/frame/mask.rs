@@ -1,5 +1,7 @@
 //! How much of each point's weight the artist leaves it.
 
+use std::ops::Range;
+
 use crate::binding::Binding;
 use crate::error::{Error, Result};
 use crate::surface::patches::NO_SLOT;
@@ -45,6 +47,12 @@ impl Mask {
         }
         let is_pinned = most.iter().map(|most| *most == Some(0.0)).collect();
         Ok(of_slot.iter().any(|m| *m != 1.0).then_some(Self { of_slot, is_pinned }))
+    }
+
+    /// Factors at some slots; `None` where they change nothing.
+    pub fn of_slots(&self, slots: Range<usize>) -> Option<&[f32]> {
+        let factors = &self.of_slot[slots];
+        factors.iter().any(|m| *m != 1.0).then_some(factors)
     }
 
     pub fn memory_bytes(&self) -> usize {

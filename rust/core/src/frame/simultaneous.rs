@@ -70,9 +70,10 @@ impl Fields {
                     let gradient = gradient.map(|row| &*row);
                     let areas = &binding.inverse_areas[slots.clone()];
                     patch_sums::directions(gradient, problem.normals(components, index), areas, directions, volumes, lengths);
+                    let mask = mask.and_then(|mask| mask.of_slots(slots.clone()));
                     if let Some(mask) = mask {
                         *unmasked = *volumes;
-                        patch_sums::mask(&mask.of_slot[slots.clone()], directions, volumes, lengths);
+                        patch_sums::mask(mask, directions, volumes, lengths);
                     }
                     let places = places.map(|row| &row[slots.clone()]);
                     let (all, _) = areas.as_chunks();
@@ -173,8 +174,8 @@ impl Fields {
                 let component = &self.components[patch.component as usize];
                 let Scratch { fields: FieldRows { directions, volumes, lengths, bell, .. }, sum, .. } = scratch;
                 patch_sums::directions(gradient, problem.normals(&self.components, index), areas, directions, volumes, lengths);
-                if let Some(mask) = mask {
-                    patch_sums::mask(&mask.of_slot[slots.clone()], directions, volumes, lengths);
+                if let Some(mask) = mask.and_then(|mask| mask.of_slots(slots.clone())) {
+                    patch_sums::mask(mask, directions, volumes, lengths);
                 }
                 let is_wide = !matches!(pass, Pass::Some(_));
                 sum.start(areas.len());

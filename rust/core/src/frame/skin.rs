@@ -1,14 +1,11 @@
 //! Skins all points, patch by patch; volume and gradient of the surface they make.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd, dispatch, f32x4, f64x4};
 
-use super::added::Added;
-use super::body::Body;
 use super::buffers::{Gradient, Posed, Skinned, SkinnedPatch, Staged};
 use super::places::ragged;
 use super::scratch::{Scratch, with_scratch};
-use super::widened;
 use crate::binding::Binding;
 use crate::flesh::shape::Shape;
 use crate::numeric::block_rows::{LANES, PATCH_POINTS};
@@ -74,7 +71,7 @@ impl Skinned {
                 (Ragged::new(changes, change_offsets), Ragged::new(moments, moment_offsets)),
             ),
             &|index, ((near, rest_of_it), gradient, (sources, offsets), sums, (changes, moment))| {
-                let from = Skinner { binding, motions, of_losses, rest_body, added, flesh, index };
+                let from = Skinner { binding, posed, of_losses, flesh, index };
                 let into = SkinnedInto {
                     near: near.map(|row| row.values),
                     rest: rest_of_it.map(|row| row.values),
@@ -131,11 +128,9 @@ impl Skinned {
 #[derive(Clone, Copy)]
 struct Skinner<'a> {
     binding: &'a Binding,
-    motions: &'a Motions,
-    /// The same without turns that cost no volume.
+    posed: &'a Posed,
+    /// Motions without turns that cost no volume.
     of_losses: &'a Motions,
-    rest_body: &'a Body,
-    added: &'a Added,
     flesh: &'a Shape,
     index: usize,
 }
@@ -156,15 +151,15 @@ struct SkinnedInto<'a> {
 /// Skins the points a patch sees; keeps those it owns, the gradient of all, and what its joints lose.
 #[inline(always)]
 fn skin_patch<S: Simd>(simd: S, from: Skinner, into: SkinnedInto, scratch: &mut Scratch) {
-    let Skinner { binding, motions, of_losses, rest_body, added, flesh, index } = from;
+    let Skinner { binding, posed, of_losses, flesh, index } = from;
+    let Posed { motions, added, body: rest_body, .. } = posed;
     let (rest, has_shapes) = (rest_body.rest(binding), !rest_body.of_site.is_empty());
     let (patches, sites, palette, stages) = (&binding.patches, &binding.sites, &motions.palette, &binding.plan.stages);
     let patch = &patches.list[index];
     let slots = &patches.local[patch.local.clone()];
     let Scratch { first: p, second: by_point, rows, .. } = scratch;
     let mut portion = Portion { index, slots, sites, shaped_rest: has_shapes.then_some(rest), motions, moment: Moment::default() };
-    let mut is_skinned = stages.ends_skinned(portion);
-    let (mut last, mut bare) = (None, None);
+    let (mut last, mut bare, mut is_skinned) = (None, None, false);
     if let Some(moment) = into.moment {
         if has_shapes {
             for (p, &slot) in p.iter_mut().zip(slots) {
@@ -175,7 +170,7 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: SkinnedInto, scratch: &mut 
         }
         portion.moment = *moment;
         portion.motions = of_losses;
-        let is_apart = !std::ptr::eq(of_losses, motions);
+        is_skinned = std::ptr::eq(of_losses, motions) && stages.ends_skinned(portion);
         let rows = Rows::new(rows, PATCH_POINTS);
         last = stages.measure(
             simd,
@@ -186,19 +181,14 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: SkinnedInto, scratch: &mut 
             |p| sweeps::volume(simd, patches, patch, p),
             into.changes,
         );
-        if is_apart {
-            is_skinned = false;
-            if let Some(last) = last.take() {
-                into.changes[last].loss -= sweeps::volume(simd, patches, patch, p);
-            }
+        if !std::ptr::eq(of_losses, motions)
+            && let Some(last) = last.take()
+        {
+            into.changes[last].loss -= sweeps::volume(simd, patches, patch, p);
         }
-    } else if is_skinned {
-        stages.skin(simd, portion, Rows::new(rows, PATCH_POINTS), p);
     }
     if !is_skinned {
-        for (p, &slot) in p.iter_mut().zip(slots) {
-            *p = sites.mean(slot as usize, |site| palette.skin(&sites.influences, site, rest[site]));
-        }
+        skin_points(simd, binding, posed, index, rows, p);
     }
     if !added.is_empty() || flesh.is_active() {
         if let Some(last) = last.take() {
@@ -217,12 +207,11 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: SkinnedInto, scratch: &mut 
                 into.offsets[local] = [offset[0], offset[1], offset[2]].map(|x| x as f32);
             }
         }
-        if flesh.is_active() {
-            if slots.iter().any(|&slot| flesh.offset(slot as usize) != [0.0; 4]) {
-                bare = Some(sweeps::volume(simd, patches, patch, p));
-            }
+        if flesh.is_active() && slots.iter().any(|&slot| flesh.offset(slot as usize) != [0.0; 4]) {
+            bare = Some(sweeps::volume(simd, patches, patch, p));
             for (p, &slot) in p.iter_mut().zip(slots) {
-                *p = lanes::add(*p, widened(flesh.offset(slot as usize)));
+                let by = f32x4::simd_from(simd, flesh.offset(slot as usize));
+                *p = (f64x4::simd_from(simd, *p) + by.combine(by).widen().0).into();
             }
         }
     }
@@ -248,6 +237,22 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: SkinnedInto, scratch: &mut 
             };
             into.sums.gap_squared = into.sums.gap_squared.max(gap_squared);
         }
+    }
+}
+
+/// The points that a patch sees, as skinning alone leaves them.
+#[inline(always)]
+pub(super) fn skin_points<S: Simd>(simd: S, binding: &Binding, posed: &Posed, index: usize, rows: &mut [f64], p: &mut Buffer) {
+    let (sites, motions, rest) = (&binding.sites, &posed.motions, posed.body.rest(binding));
+    let slots = &binding.patches.local[binding.patches.list[index].local.clone()];
+    let shaped_rest = (!posed.body.of_site.is_empty()).then_some(rest);
+    let portion = Portion { index, slots, sites, shaped_rest, motions, moment: Moment::default() };
+    if binding.plan.stages.ends_skinned(portion) {
+        binding.plan.stages.skin(simd, portion, Rows::new(rows, PATCH_POINTS), p);
+        return;
+    }
+    for (p, &slot) in p.iter_mut().zip(slots) {
+        *p = sites.mean(slot as usize, |site| motions.palette.skin(&sites.influences, site, rest[site]));
     }
 }
 

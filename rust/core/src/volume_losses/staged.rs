@@ -301,13 +301,19 @@ impl Stages {
     #[inline(always)]
     fn places<'a>(&'a self, portion: Portion, place: &'a [&mut [f64]; 3]) -> [&'a [Block<f64>]; 3] {
         let is_kept = portion.motions.palette.mode == Mode::Linear && portion.shaped_rest.is_none();
-        let rows = if is_kept { self.rest_of(portion) } else { place.each_ref().map(|row| &**row) };
+        let rows = if is_kept { self.rest_of(portion.index) } else { place.each_ref().map(|row| &**row) };
         rows.map(|row| row.as_chunks().0)
     }
 
+    /// Eight points of a portion where they rest, if no shape key moves them.
     #[inline(always)]
-    fn rest_of(&self, portion: Portion) -> [&[f64]; 3] {
-        let rest = &self.rest[self.rest_offsets[portion.index] as usize..self.rest_offsets[portion.index + 1] as usize];
+    pub fn rest(&self, portion: usize, number: usize) -> [&Block<f64>; 3] {
+        self.rest_of(portion).map(|row| &row.as_chunks().0[number])
+    }
+
+    #[inline(always)]
+    fn rest_of(&self, portion: usize) -> [&[f64]; 3] {
+        let rest = &self.rest[self.rest_offsets[portion] as usize..self.rest_offsets[portion + 1] as usize];
         let (x, yz) = rest.split_at(rest.len() / 3);
         let (y, z) = yz.split_at(yz.len() / 2);
         [x, y, z]
@@ -323,7 +329,7 @@ impl Stages {
             }
             return;
         }
-        for (row, rest) in rows.place.iter_mut().zip(self.rest_of(portion)) {
+        for (row, rest) in rows.place.iter_mut().zip(self.rest_of(portion.index)) {
             row[..count].copy_from_slice(&rest[..count]);
         }
     }
