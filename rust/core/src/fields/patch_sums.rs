@@ -89,13 +89,35 @@ fn directions_by_lanes<S: Simd>(
 
 /// What a patch adds by its directions, and what it would add if they were the gradient's, of the same lengths.
 pub(crate) fn added_and_most(gradient: Rows, volumes: &Row, lengths: &Row) -> [f64; 2] {
-    let [x, y, z] = gradient;
-    let (mut added, mut most) = (0.0, 0.0);
-    for (i, ((x, y), z)) in x.iter().zip(y).zip(z).enumerate() {
-        added += f64::from(volumes[i]);
-        most += f64::from((x * x + y * y + z * z).sqrt() * lengths[i]);
+    dispatch!(Level::new(), simd => added_and_most_by_lanes(simd, gradient, volumes, lengths))
+}
+
+#[inline(always)]
+fn added_and_most_by_lanes<S: Simd>(_: S, [x, y, z]: Rows, volumes: &Row, lengths: &Row) -> [f64; 2] {
+    let count = x.len();
+    let (y, z, volumes, lengths) = (&y[..count], &z[..count], &volumes[..count], &lengths[..count]);
+    let (mut added, mut most) = ([0.0; LANES], [0.0; LANES]);
+    for i in 0..count {
+        added[i % LANES] += volumes[i];
+        most[i % LANES] += (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]).sqrt() * lengths[i];
     }
-    [added, most]
+    [sum_of(added), sum_of(most)]
+}
+
+/// Makes vectors unit vectors, or leaves 0.
+pub(crate) fn normalize(rows: [&mut [f32]; 3]) {
+    dispatch!(Level::new(), simd => normalize_by_lanes(simd, rows));
+}
+
+#[inline(always)]
+fn normalize_by_lanes<S: Simd>(_: S, [x, y, z]: [&mut [f32]; 3]) {
+    let count = x.len();
+    let (y, z) = (&mut y[..count], &mut z[..count]);
+    for i in 0..count {
+        let length = (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]).sqrt();
+        let inverse = if length > 0.0 { length.recip() } else { 0.0 };
+        (x[i], y[i], z[i]) = (x[i] * inverse, y[i] * inverse, z[i] * inverse);
+    }
 }
 
 /// Takes a share of each direction from the gradient.

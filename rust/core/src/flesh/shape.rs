@@ -73,10 +73,9 @@ impl Shape {
         if self.is_active { self.offsets[slot] } else { [0.0; 4] }
     }
 
-    /// What turning by angle adds to the normal at the point in a slot, as skinning carries it along.
-    pub fn turned(&self, slot: usize) -> DVec3 {
-        let [x, y, z, _] = self.turned.get(slot).copied().filter(|_| self.is_active).unwrap_or_default();
-        DVec3::new(f64::from(x), f64::from(y), f64::from(z))
+    /// What turning by angle adds to the normal at the point in each slot, as skinning carries it along; empty if nothing.
+    pub fn turned(&self) -> &[[f32; 4]] {
+        if self.is_active { &self.turned } else { &[] }
     }
 
     /// Added to each slot of an active frame.

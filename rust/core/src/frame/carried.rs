@@ -1,14 +1,14 @@
 //! Normals at rest, evened out, as the pose carries them along: what even fields push along.
 
-use super::buffers::{ComponentField, Fields, Gradient, Posed, Skinned};
+use fearless_simd::{Level, Simd, dispatch};
+
+use super::buffers::{ComponentField, Fields, Posed, Skinned};
 use super::places::ragged;
-use super::scratch::{Scratch, with_scratch};
-use super::simultaneous::import_gradient;
 use super::{Bound, Problem};
-use crate::fields::patch_sums::{self, FieldRows, Normals};
+use crate::binding::Binding;
+use crate::fields::patch_sums::{self, Normals};
 use crate::flesh::shape::Shape;
 use crate::flesh::smoothstep;
-use crate::numeric::lanes;
 use crate::parallel::split::for_each_piece;
 
 /// What a shell adds along its normals over what it would add along its gradient: below the first it follows the gradient,
@@ -24,46 +24,49 @@ impl Skinned {
         if !carried.is_used {
             return;
         }
-        let (patches, sites, palette) = (&binding.patches, &binding.sites, &posed.motions.palette);
-        let normals = &binding.normals().directions;
+        let (patches, level) = (&binding.patches, Level::new());
         for_each_piece(patches.list.len(), ragged(&mut carried.rows, &patches.slot_offsets), &|index, carried| {
             let patch = &patches.list[index];
-            let [x, y, z] = carried.map(|row| row.values);
-            for place in 0..patch.owned {
-                let slot = patch.start + place;
-                let normal = sites.mean(slot, |site| palette.carry(&sites.influences, site, normals[slot]));
-                let normal = lanes::to(normal) + flesh.turned(slot);
-                let unit = normal.normalize_or_zero().as_vec3();
-                (x[place], y[place], z[place]) = (unit.x, unit.y, unit.z);
+            let mut rows = carried.map(|row| &mut row.values[..patch.owned]);
+            dispatch!(level, simd => carry(simd, binding, posed, patch.start, rows.each_mut().map(|row| &mut **row)));
+            let [x, y, z] = &mut rows;
+            for (place, [a, b, c, _]) in flesh.turned().iter().skip(patch.start).take(patch.owned).enumerate() {
+                (x[place], y[place], z[place]) = (x[place] + a, y[place] + b, z[place] + c);
             }
+            patch_sums::normalize(rows);
         });
     }
 }
 
+/// Carries the normals of slots, from a first one on.
+#[inline(always)]
+fn carry<S: Simd>(_: S, binding: &Binding, posed: &Posed, first: usize, [x, y, z]: [&mut [f32]; 3]) {
+    let (sites, palette, normals) = (&binding.sites, &posed.motions.palette, &binding.normals().directions);
+    for (place, ((x, y), z)) in x.iter_mut().zip(y).zip(z).enumerate() {
+        let slot = first + place;
+        let [a, b, c, _] = sites.mean(slot, |site| palette.carry(&sites.influences, site, normals[slot]));
+        (*x, *y, *z) = (a as f32, b as f32, c as f32);
+    }
+}
+
 impl Fields {
-    /// How far each shell's even fields have to follow its gradient: skinning may turn a shell over, and its normals not along.
-    pub(super) fn weigh_gradient(&mut self, problem: Problem, swept: &mut Gradient) {
-        let Problem { bound: Bound { binding, .. }, skinned, .. } = problem;
+    /// All even fields follow their normals, until `weigh_gradient` knows better.
+    pub(super) fn follow_normals(&mut self) {
         for state in &mut self.components {
-            (state.evenness, state.gradient_share) = ([0.0; 2], 0.0);
+            state.gradient_share = 0.0;
         }
-        if !skinned.carried.is_used {
-            return;
+    }
+
+    /// How far each shell's even fields have to follow its gradient, from sums that did not: skinning may turn a shell over, and its
+    /// normals not along. Whether any has to.
+    pub(super) fn weigh_gradient(&mut self, problem: Problem) -> bool {
+        if !problem.skinned.carried.is_used {
+            return false;
         }
-        let (patches, sources) = (&binding.patches, &swept.sources);
-        let (rows, fields) = (ragged(&mut swept.rows, &patches.slot_offsets), &*self.components);
-        for_each_piece(patches.list.len(), (rows, &mut *self.evenness), &|index, (gradient, evenness)| {
-            let slots = patches.list[index].start..patches.slot_offsets[index + 1] as usize;
-            let normals = problem.normals(fields, index);
-            with_scratch(|Scratch { first, fields: FieldRows { directions, volumes, lengths, .. }, .. }| {
-                let mut gradient = gradient.map(|row| row.values);
-                import_gradient(binding, index, sources, first, &mut gradient);
-                let gradient = gradient.map(|row| &*row);
-                patch_sums::directions(gradient, normals, &binding.inverse_areas[slots], directions, volumes, lengths);
-                evenness[0] = patch_sums::added_and_most(gradient, volumes, lengths);
-            });
-        });
-        for (patch, [added, most]) in patches.list.iter().zip(&self.evenness) {
+        for state in &mut self.components {
+            state.evenness = [0.0; 2];
+        }
+        for (patch, [added, most]) in problem.bound.binding.patches.list.iter().zip(&self.evenness) {
             let [all_added, all_most] = &mut self.components[patch.component as usize].evenness;
             (*all_added, *all_most) = (*all_added + added, *all_most + most);
         }
@@ -72,6 +75,7 @@ impl Fields {
             let evenness = if most > 0.0 { added / most } else { 0.0 };
             state.gradient_share = (1.0 - smoothstep((evenness - EVENNESS[0]) / (EVENNESS[1] - EVENNESS[0]))) as f32;
         }
+        self.components.iter().any(|state| state.gradient_share > 0.0)
     }
 }
 

@@ -19,8 +19,11 @@ impl Solution {
     pub(super) fn correct_simultaneously(&mut self, problem: Problem) {
         let Self { gradient, fields, correction } = self;
         correction.start();
-        fields.weigh_gradient(problem, gradient);
+        fields.follow_normals();
         fields.sum_capacities(problem, gradient, Pass::All);
+        if fields.weigh_gradient(problem) {
+            fields.sum_capacities(problem, gradient, Pass::All);
+        }
         fields.solve(problem, &mut correction.jobs, Pass::All);
         fields.add(
             problem,
@@ -55,9 +58,9 @@ impl Fields {
                 ragged(&mut swept.rows, &patches.slot_offsets),
                 Ragged::new(&mut self.profiled, profile_offsets),
                 Ragged::new(&mut self.capacities, supports.jobs_of_patch.offsets()),
-                &mut *self.wide_capacities,
+                (&mut *self.wide_capacities, &mut *self.evenness),
             ),
-            &|index, (gradient, profiled, capacities, wide)| {
+            &|index, (gradient, profiled, capacities, (wide, evenness))| {
                 let patch = &patches.list[index];
                 if pass.passes_over(patch.component) {
                     return;
@@ -69,7 +72,11 @@ impl Fields {
                     import_gradient(binding, index, sources, first, &mut gradient);
                     let gradient = gradient.map(|row| &*row);
                     let areas = &binding.inverse_areas[slots.clone()];
-                    patch_sums::directions(gradient, problem.normals(components, index), areas, directions, volumes, lengths);
+                    let normals = problem.normals(components, index);
+                    patch_sums::directions(gradient, normals, areas, directions, volumes, lengths);
+                    if let (Pass::All, Some(_)) = (pass, normals) {
+                        evenness[0] = patch_sums::added_and_most(gradient, volumes, lengths);
+                    }
                     let mask = mask.and_then(|mask| mask.of_slots(slots.clone()));
                     if let Some(mask) = mask {
                         *unmasked = *volumes;
