@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import replace
 from itertools import pairwise
 
@@ -11,7 +12,9 @@ import turgor
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from rigs import Mode, Rig, applied, limb, random_rigid_motion, rotation, translation
+from rigs import Mode, Rig, applied, chain, limb, random_rigid_motion, rotation, translation
+from surfaces import Surface, tube
+from test_determinism import digest_in_threads
 
 seeds = st.integers(0, 2**32 - 1)
 modes = st.sampled_from(["linear", "dual_quaternion"])
@@ -167,6 +170,50 @@ def test_many_frames_are_the_same_bits(seed: int, mode: Mode):
     for pose, found in zip(poses, np.asarray(positions), strict=True):
         frame = body.deform(pose)
         np.testing.assert_array_equal(found, (frame.skinned + frame.offsets).astype(np.float32))
+
+
+def digest_of_frames() -> str:
+    """What a process prints: the digest of frames of more vertices than one thread takes."""
+    rig = chain(tube(rings=401, sides=24, length=12.0), 12, length=12.0)
+    digest = hashlib.sha256()
+    for mode in ("linear", "dual_quaternion"):
+        body = rig.body(mode, following(rig))
+        for seed in range(3):
+            digest.update(body.deform(rig.random_pose(np.random.default_rng(seed), 0.9)).offsets.tobytes())
+    return digest.hexdigest()
+
+
+def test_number_of_threads_does_not_matter():
+    digests = [digest_in_threads(count, "test_flesh_law.digest_of_frames") for count in (1, 2, 3)]
+    assert digests[0] == digests[1] == digests[2]
+
+
+@given(seeds, modes)
+def test_the_order_of_vertices_and_faces_does_not_matter(seed: int, mode: Mode):
+    rng = np.random.default_rng(seed)
+    rig = limb(4)
+    order = rng.permutation(len(rig.surface.positions))
+    place = np.argsort(order)
+    faces = [place[rig.surface.faces[face]].tolist() for face in rng.permutation(len(rig.surface.faces))]
+    surface = Surface(rig.surface.positions[order], faces)
+    other = replace(rig, surface=surface, bones=rig.bones[order], weights=rig.weights[order])
+    pose = rig.random_pose(rng, 1.0)
+    found = other.body(mode, following(other)).deform(pose).positions
+    expected = rig.body(mode, following(rig)).deform(pose).positions[order]
+    np.testing.assert_allclose(found, expected, atol=3 * DIGITS)
+
+
+@given(seeds, modes, st.floats(1e-3, 1e3))
+def test_a_body_so_many_times_as_large_moves_so_many_times_as_far(seed: int, mode: Mode, size: float):
+    rig = limb(4)
+    pose = rig.random_pose(np.random.default_rng(seed), 1.0)
+    rest, large_pose = rig.rest_matrices.copy(), pose.copy()
+    for matrices in (rest, large_pose):
+        matrices[:, :3, 3] *= size
+    large = replace(rig, surface=rig.surface.moved(size * rig.surface.positions), rest_matrices=rest)
+    found = large.body(mode, following(large)).deform(large_pose).positions
+    expected = rig.body(mode, following(rig)).deform(pose).positions
+    np.testing.assert_allclose(found / size, expected, atol=3 * DIGITS)
 
 
 SWEEPS = {

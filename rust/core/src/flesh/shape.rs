@@ -31,6 +31,8 @@ pub(crate) struct Shape {
     turns: Vec<Turn>,
     joints: Vec<InFrame>,
     is_active: bool,
+    /// Per patch, whether any joint that turns may move its points.
+    is_moved: Vec<bool>,
     /// Per slot, armature space: in single precision, as it leaves the engine.
     offsets: Vec<[f32; 4]>,
     /// Per slot, what turning by angle adds to the normal there; empty where no normals are asked for.
@@ -76,6 +78,12 @@ impl Shape {
     /// What turning by angle adds to the normal at the point in each slot, as skinning carries it along; empty if nothing.
     pub fn turned(&self) -> &[[f32; 4]] {
         if self.is_active { &self.turned } else { &[] }
+    }
+
+    /// Whether anything is added to points that a patch owns, or to some others that it sees.
+    #[inline(always)]
+    pub fn moves(&self, patch: usize, others: &[u32]) -> bool {
+        self.is_active && (self.is_moved[patch] || others.iter().any(|&slot| self.offsets[slot as usize].map(f32::to_bits) != [0; 4]))
     }
 
     /// Added to each slot of an active frame.
@@ -171,6 +179,7 @@ impl Shape {
 
     /// Works out what is added to each point.
     pub fn shape(&mut self, anatomy: &Anatomy, motions: &Motions, patches: &Patches, points: &impl Points) {
+        self.is_moved.resize(patches.list.len(), false);
         self.offsets.resize(patches.slot_count(), [0.0; 4]);
         self.turned.resize(points.normals().len(), [0.0; 4]);
         self.free.resize(if self.has_creases { patches.slot_count() } else { 0 }, 1.0);
@@ -201,10 +210,12 @@ impl Shape {
                 Ragged::new(&mut self.offsets, &patches.slot_offsets),
                 Ragged::new(&mut self.turned, turned_offsets),
                 Ragged::new(&mut self.free, free_offsets),
+                &mut *self.is_moved,
             ),
-            &|index, (offsets, turned, free)| {
+            &|index, (offsets, turned, free, is_moved)| {
                 let slots = patches.list[index].start..patches.list[index].start + patches.list[index].owned;
                 let (offsets, free) = (offsets.values.as_chunks_mut().0, free.values.as_chunks_mut().0);
+                is_moved[0] = frame.moves(index);
                 dispatch!(level, simd => frame.patch(simd, (index, slots), points, (offsets, turned.values), free));
             },
         );
@@ -236,6 +247,11 @@ impl Frame<'_> {
         &self.joints[usize::from(joint)]
     }
 
+    /// Whether any joint that turns may move points of a patch.
+    fn moves(&self, patch: usize) -> bool {
+        self.anatomy.joints_of_patch.row(patch).iter().any(|&joint| self.joint(joint).is_moved)
+    }
+
     /// What is added to the points of a patch, and what of them lies in no closed crease.
     #[inline(always)]
     fn patch<V: Simd>(
@@ -249,13 +265,13 @@ impl Frame<'_> {
         turned.fill([0.0; 4]);
         free.as_flattened_mut().fill(1.0);
         let Anatomy { near, chains, joints_of_patch, .. } = self.anatomy;
-        let joints = || joints_of_patch.row(index).iter().map(|&joint| self.joint(joint));
-        if !joints().any(|joint| joint.is_moved) {
+        if !self.moves(index) {
             offsets.as_flattened_mut().fill([0.0; 4]);
             return;
         }
         let mut skinned = [ZERO; PATCH_POINTS];
-        if joints().any(|joint| joint.crease.is_some() || (joint.is_moved && !self.is_linear)) {
+        let mut joints = joints_of_patch.row(index).iter().map(|&joint| self.joint(joint));
+        if joints.any(|joint| joint.crease.is_some() || (joint.is_moved && !self.is_linear)) {
             points.skin(index, &mut skinned);
         }
         let (skinned, _) = skinned.as_chunks();

@@ -194,23 +194,25 @@ fn skin_patch<S: Simd>(simd: S, from: Skinner, into: SkinnedInto, scratch: &mut 
         if let Some(last) = last.take() {
             into.changes[last].loss -= sweeps::volume(simd, patches, patch, p);
         }
-        for (local, (p, &slot)) in p.iter_mut().zip(slots).enumerate().filter(|_| !added.is_empty()) {
-            let mut offset = added.of_slot(binding, slot as usize);
-            let skinned = *p;
-            if added.is_posed() {
-                *p = offset;
-                offset = lanes::sub(offset, skinned);
-            } else {
-                *p = lanes::add(skinned, offset);
-            }
-            if local < patch.owned {
-                into.offsets[local] = [offset[0], offset[1], offset[2]].map(|x| x as f32);
+        if !added.is_empty() {
+            for (local, (p, &slot)) in p.iter_mut().zip(slots).enumerate() {
+                let mut offset = added.of_slot(binding, slot as usize);
+                let skinned = *p;
+                if added.is_posed() {
+                    *p = offset;
+                    offset = lanes::sub(offset, skinned);
+                } else {
+                    *p = lanes::add(skinned, offset);
+                }
+                if local < patch.owned {
+                    into.offsets[local] = [offset[0], offset[1], offset[2]].map(|x| x as f32);
+                }
             }
         }
-        if flesh.is_active() && slots.iter().any(|&slot| flesh.offset(slot as usize) != [0.0; 4]) {
+        if flesh.moves(index, &slots[patch.owned..]) {
             bare = Some(sweeps::volume(simd, patches, patch, p));
             for (p, &slot) in p.iter_mut().zip(slots) {
-                let by = f32x4::simd_from(simd, flesh.offset(slot as usize));
+                let by = f32x4::simd_from(simd, flesh.offsets()[slot as usize]);
                 *p = (f64x4::simd_from(simd, *p) + by.combine(by).widen().0).into();
             }
         }
