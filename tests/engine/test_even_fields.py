@@ -130,6 +130,22 @@ def test_nothing_jumps_while_a_shell_is_flattened():
     assert apart[1] <= 0.01 < 0.5 < apart[0], apart
 
 
+def test_how_far_a_volume_moves_skin_does_not_jump_while_a_shell_is_flattened():
+    """The displacement that a joint reports, over the volume that it gives back: fields follow what they push along."""
+    rig = limb(bone_count=2, rings=25)
+    body = rig.body(fields="even")
+
+    def needed(thickness: float) -> float:
+        report = body.deform(np.diag([1.0, 1.0, thickness, 1.0]) @ rig.bent(ANGLE)).report
+        return float(np.log(report.joint_displacements[1] / report.joint_regained[1]))
+
+    largest = [
+        np.abs(np.diff([needed(thickness) for thickness in np.geomspace(0.2, 0.002, steps + 1)])).max()
+        for steps in (100, 200)
+    ]
+    assert largest[1] <= 0.62 * largest[0], largest
+
+
 @pytest.mark.parametrize("degrees", [0.0, 60.0, 120.0, 150.0])
 def test_what_turns_by_angle_still_swells_outwards(degrees: float):
     """Normals turn with the skin that twists spread along the bone."""
