@@ -117,6 +117,41 @@ def test_a_shell_that_skinning_turns_over(seed: int, mode: Mode):
     assert np.isfinite(even.positions).all()
 
 
+def test_nothing_jumps_while_a_shell_is_flattened():
+    """Normals that are carried along come to lie in the plane, and fields go over to the gradient: steps halve."""
+    rig = limb(bone_count=2, rings=25)
+    even, plain = (rig.body(fields=fields) for fields in ("even", "plain"))
+
+    def swollen(body: turgor.VolumeSkin, thickness: float) -> np.ndarray:
+        pose = np.array([np.diag([1.0, 1.0, thickness, 1.0])] * 2)
+        frame = body.deform(pose, target_scale=1.05)
+        return frame.positions - frame.skinned
+
+    largest = []
+    for steps in (200, 400):
+        frames = [swollen(even, thickness) for thickness in np.linspace(0.2, 0.002, steps + 1)]
+        largest.append(max(np.abs(b - a).max() for a, b in pairwise(frames)))
+    assert largest[1] <= 0.62 * largest[0], largest
+    apart = [np.abs(swollen(even, t) - swollen(plain, t)).max() / np.abs(swollen(plain, t)).max() for t in (0.2, 0.002)]
+    assert apart[1] <= 0.01 < 0.5 < apart[0], apart
+
+
+def test_how_far_a_volume_moves_skin_does_not_jump_while_a_shell_is_flattened():
+    """The displacement that a joint reports, over the volume that it gives back: fields follow what they push along."""
+    rig = limb(bone_count=2, rings=25)
+    body = rig.body(fields="even")
+
+    def needed(thickness: float) -> float:
+        report = body.deform(np.diag([1.0, 1.0, thickness, 1.0]) @ rig.bent(ANGLE)).report
+        return float(np.log(report.joint_displacements[1] / report.joint_regained[1]))
+
+    largest = [
+        np.abs(np.diff([needed(thickness) for thickness in np.geomspace(0.2, 0.002, steps + 1)])).max()
+        for steps in (100, 200)
+    ]
+    assert largest[1] <= 0.62 * largest[0], largest
+
+
 @pytest.mark.parametrize("degrees", [0.0, 60.0, 120.0, 150.0])
 def test_what_turns_by_angle_still_swells_outwards(degrees: float):
     """Normals turn with the skin that twists spread along the bone."""

@@ -108,8 +108,12 @@ def test_a_twist_keeps_every_section(mode: Mode, spread: float, bones: int):
         np.testing.assert_allclose(radii(rig, found), radii(rig, rig.surface.positions), atol=DIGITS)
 
 
-def test_a_spread_twist_is_straight_along_the_bone():
+@pytest.mark.parametrize(("least", "tolerance"), [(0.0, 6.0), (0.05, 1e-3)])
+def test_a_spread_twist_is_straight_along_the_bone(least: float, tolerance: float):
+    """Also where skin is of the bone and the one above alone, a path of its own: without weights below `least`."""
     rig = limb(3, 97, 16)
+    kept = np.where(rig.weights < least, 0.0, rig.weights)
+    rig = replace(rig, weights=kept / kept.sum(1, keepdims=True))
     found = rig.body(joints=following(rig)).deform(turned(rig, 0.0, 90.0)).positions
     rest = rig.surface.positions
     angle = np.degrees(np.unwrap(np.arctan2(found[:, 2], found[:, 1]) - np.arctan2(rest[:, 2], rest[:, 1])))
@@ -117,7 +121,62 @@ def test_a_spread_twist_is_straight_along_the_bone():
     length = 4.0 / 3.0
     along = (rest[:, 0] - length) / length
     inner = (along > 0.6) & (along < 0.95) & (radii(rig, rest) > 0.1)
-    np.testing.assert_allclose(np.abs(angle[inner]), 90.0 * along[inner], atol=6.0)
+    np.testing.assert_allclose(np.abs(angle[inner]), 90.0 * along[inner], atol=tolerance)
+
+
+@pytest.mark.parametrize("bend", [30.0, 60.0, 90.0])
+def test_the_section_of_a_bend_widens_across(bend: float):
+    """By half of 1 − cos of half the bend at the sides, which the blend leaves as wide as they were."""
+    rig = elbow(97, 24)
+    frame = rig.body(joints=following(rig, strength=0.0)).deform(turned(rig, bend, 0.0))
+    side = np.argmin(np.linalg.norm(rig.surface.positions - [2.0, 0.0, RADIUS], axis=1))
+    wider = 0.5 * (1.0 - np.cos(np.radians(bend) / 2.0)) * RADIUS
+    np.testing.assert_allclose(frame.skinned[side, 2], RADIUS, atol=DIGITS)
+    np.testing.assert_allclose(frame.positions[side, 2] - frame.skinned[side, 2], wider, atol=DIGITS)
+
+
+@pytest.mark.parametrize("bones", [8, 16, 32])
+def test_bends_that_overlap_count_as_one(bones: int):
+    """However short the bones of a spine are: it is shifted no farther by all of them than by one."""
+    rig = limb(bones, 97, 16)
+    body = rig.body(joints=following(rig, outside=1.0, crease=0.0, strength=0.0))
+    bent = rotation([0.0, 0.0, 1.0], np.radians(120.0 / (bones - 1)))
+    farthest = lambda pose: np.linalg.norm(added(rig, body, pose), axis=1).max()  # noqa: E731
+    alone = rig.pose([bent if bone == bones // 2 else np.eye(4) for bone in range(bones)])
+    everywhere = rig.pose([np.eye(4), *[bent] * (bones - 1)])
+    assert farthest(everywhere) <= 1.01 * farthest(alone)
+
+
+def above_the_plane(rig: Rig, positions: NDArray[np.float64], bend: float) -> NDArray[np.float64]:
+    """How far skin near an elbow stands on its own bone's side of the plane that halves the bend."""
+    from_joint = rig.surface.positions[:, 0] - 2.0
+    near = (np.abs(from_joint) > 0.05) & (np.abs(from_joint) < 1.4 * RADIUS)
+    half = rotation([0.0, 0.0, 1.0], np.radians(bend) / 2.0)[:3, 0]
+    return ((positions - [2.0, 0.0, 0.0]) @ half * np.sign(from_joint))[near]
+
+
+@pytest.mark.parametrize("strength", [0.0, 1.0])
+@pytest.mark.parametrize("bend", [95.0, 110.0, 130.0])
+def test_the_inside_of_a_bend_closes_on_its_plane(bend: float, strength: float):
+    rig = elbow(97, 24)
+    crossing, closed = (
+        above_the_plane(rig, rig.body(joints=joints).deform(turned(rig, bend, 0.0)).positions, bend).min()
+        for joints in (following(rig, strength=strength, crease=crease) for crease in (0.0, 1.0))
+    )
+    assert crossing < -0.01 * RADIUS
+    assert closed > 0.01 * RADIUS
+
+
+def test_skin_in_a_closed_crease_has_no_part_in_the_correction():
+    """There is no room for it there: swollen, the limb grows elsewhere."""
+    rig = elbow(97, 24)
+    body = rig.body(joints=following(rig))
+    plain, swollen = (body.deform(turned(rig, 120.0, 0.0), target_scale=scale).positions for scale in (1.0, 1.1))
+    heights = [above_the_plane(rig, positions, 120.0) for positions in (plain, swollen)]
+    touching = heights[0] < 0.03 * RADIUS
+    assert touching.any()
+    np.testing.assert_allclose(heights[1][touching], heights[0][touching], atol=DIGITS)
+    assert np.abs(swollen - plain).max() > 0.01 * RADIUS
 
 
 @given(seeds, modes)

@@ -23,6 +23,9 @@ _MEASURED = ("tests/blender/test_measured_figures.py",)
 _VOLUME = ("tests/blender/test_measured_volume.py",)
 _LATER = ("tests/blender/test_later_modifiers.py",)
 _ANY_STACK = ("tests/blender/test_operators_on_any_stack.py",)
+_FLESH = ("tests/engine/test_flesh_law.py",)
+_EVEN = ("tests/engine/test_even_fields.py",)
+_NEW_CHARACTERS = ("tests/blender/test_flesh_law.py",)
 
 BROKEN_LINES = (
     # Guards and carriers
@@ -95,5 +98,35 @@ BROKEN_LINES = (
     BrokenLine("addon/scene/stack.py", "        ob.modifiers.remove(ours)\n", "        pass\n", _ANY_STACK),
     BrokenLine(
         "addon/scene/modifier_places.py", "        modifier.use_pin_to_last = True\n", "        pass\n", _ANY_STACK
+    ),
+    # The law of flesh, and even fields
+    BrokenLine("addon/live/housekeeping.py", "saved.flesh, saved.fields = 1.0, ", "saved.fields = ", _NEW_CHARACTERS),
+    BrokenLine(
+        "addon/live/housekeeping.py", 'saved.flesh, saved.fields = 1.0, "EVEN"', "saved.flesh = 1.0", _NEW_CHARACTERS
+    ),
+    BrokenLine(
+        "rust/core/src/flesh/twist.rs", " + (along - blended) * self.spread) * self.twist", ") * self.twist", _FLESH
+    ),
+    BrokenLine("rust/core/src/flesh/turn.rs", "amount * sound * fade(angle)", "amount * sound", _FLESH),
+    BrokenLine("rust/core/src/flesh/turn.rs", "wider: WIDER *", "wider: 0.0 *", _FLESH),
+    BrokenLine("rust/core/src/flesh/bend.rs", "scale(at(&self.sum, lane), parts[lane])", "at(&self.sum, lane)", _FLESH),
+    BrokenLine(
+        "rust/core/src/flesh/crease.rs",
+        "by[lane] += along * (side * pushed * closes)",
+        "by[lane] += 0.0 * along",
+        _FLESH,
+    ),
+    BrokenLine("rust/core/src/flesh/crease.rs", "free[lane] *= 1.0 - touch", "free[lane] *= 1.0", _FLESH),
+    BrokenLine("rust/core/src/frame/carried.rs", "lanes::to(normal) + flesh.turned(slot)", "lanes::to(normal)", _EVEN),
+    BrokenLine("rust/core/src/frame/carried.rs", "added / most", "1.0", _EVEN),
+    BrokenLine(
+        "rust/core/src/frame/carried.rs",
+        "1.0 - smoothstep((evenness - EVENNESS[0]) / (EVENNESS[1] - EVENNESS[0]))",
+        "0.0",
+        _EVEN,
+    ),
+    BrokenLine("rust/core/src/fields/patch_sums.rs", "d[axis] * (1.0 - share) + g[axis] * part", "d[axis]", _EVEN),
+    BrokenLine(
+        "rust/core/src/fields/patch_sums.rs", "volumes[i] = g[0] * d[0] + g[1] * d[1] + g[2] * d[2]", "()", _EVEN
     ),
 )
