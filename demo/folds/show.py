@@ -74,6 +74,8 @@ def bend(body: Body) -> tuple[dict[str, Result], dict[str, Shape], list[tuple[in
     scene = bpy.context.scene
     shells = undeformed_shells(ob)
     rest = shells.volumes(positions(ob))
+    # What the law of flesh folds is no fold of the correction.
+    ob.turgor.flesh = 0.0
     joint = ob.turgor.joints["lower"]
     joint.preset = body.preset
     triangles = triangles_of(ob)

@@ -53,6 +53,8 @@ def play(subject: Subject, way: str) -> tuple[Result, Posed]:
     size = float(np.linalg.norm(np.ptp(coarse, axis=0)))
     coarse_volume = np.abs(shells(coarse, *coarse_faces).volumes(coarse)).sum()
     must_turn_on(body, subject.name)
+    # Narrow fields, which need more faces than there are.
+    body.turgor.fields = "PLAIN"
     for joint in body.turgor.joints:
         joint.preset = subject.presets.get(joint.name, joint.preset)
     if way != COARSE:
