@@ -57,10 +57,10 @@ def edited_settings(ob: bpy.types.Object, joint: TurgorJoint) -> tuple[TurgorJoi
 
 def _draw_flesh(column: bpy.types.UILayout, edited: TurgorJoint | TurgorSelectedJoints, is_auto: bool) -> None:
     column.prop(edited, "flesh")
-    row = column.row(align=True, heading=iface_("Soft"))
+    row = column.row(align=True)
     own = row.row(align=True)
     own.active = not is_auto
-    own.prop(edited, "outside", text="")
+    own.prop(edited, "outside")
     row.prop(edited, "use_auto_outside", toggle=True)
     column.prop(edited, "spread_twist")
     column.prop(edited, "crease")
