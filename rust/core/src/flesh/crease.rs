@@ -86,7 +86,7 @@ impl Crease {
         let pushed = short_round / (deep * deep + 1.0).sqrt().sqrt() * smooth(off * (1.0 / SIDES));
         *by = *by + Eight::along(self.posed_along, side(rest.along) * pushed * closes);
         let touch = closes * (-smooth((pushed - short) * (1.0 / ROOM)) + 1.0);
-        *free = *free * (-touch + 1.0);
+        *free *= -touch + 1.0;
     }
 }
 
