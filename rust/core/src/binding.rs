@@ -233,17 +233,19 @@ impl Binding {
 
     /// The body as the law of flesh sees it.
     pub fn anatomy(&self) -> &FleshAnatomy {
-        self.anatomy.get_or_init(|| {
-            let places = self.slots_in_armature();
-            FleshAnatomy::new(&Parts {
-                patches: &self.patches,
-                sites: &self.sites,
-                tree: &self.motions.tree,
-                rest: self.motions.rest(),
-                places: &places,
-                areas: &self.slot_areas(),
-                is_linear: self.motions.palette.mode == Mode::Linear,
-            })
+        self.anatomy.get_or_init(|| self.anatomy_of(self.motions.palette.mode == Mode::Linear))
+    }
+
+    /// The same for one way of skinning.
+    pub fn anatomy_of(&self, is_linear: bool) -> FleshAnatomy {
+        FleshAnatomy::new(&Parts {
+            patches: &self.patches,
+            sites: &self.sites,
+            tree: &self.motions.tree,
+            rest: self.motions.rest(),
+            places: &self.slots_in_armature(),
+            areas: &self.slot_areas(),
+            is_linear,
         })
     }
 

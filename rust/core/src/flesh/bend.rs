@@ -81,7 +81,7 @@ impl Bent {
 
     /// Places from the joint, turned by their share of the twist first: in the bone above they meet the bend so.
     #[inline(always)]
-    pub fn turned_by_twist<S: Simd>(&self, simd: S, near: &NearBlock, places: Eight<S>) -> Eight<S> {
+    pub fn before_bend<S: Simd>(&self, simd: S, near: &NearBlock, places: Eight<S>) -> Eight<S> {
         let from_head = places - Eight::splat(simd, self.head);
         if self.twist == 0.0 {
             return from_head;

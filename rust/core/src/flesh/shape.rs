@@ -287,7 +287,7 @@ impl Frame<'_> {
                 let mut shifts = Shifts::none(simd);
                 for block in near {
                     if let Some(bent) = &self.joint(block.joint).bent {
-                        shifts.add(bent, &bent.places(simd, block, bent.turned_by_twist(simd, block, rest)));
+                        shifts.add(bent, &bent.places(simd, block, bent.before_bend(simd, block, rest)));
                     }
                 }
                 added = added + shifts.total();
@@ -402,7 +402,7 @@ impl Frame<'_> {
         let mut left = f32x8::simd_from(simd, *free);
         for block in near {
             let InFrame { bent: Some(bent), crease: Some(crease), .. } = self.joint(block.joint) else { continue };
-            let (from_head, from_joint) = (bent.turned_by_twist(simd, block, rest), Eight::of_rows(simd, skinned, crease.joint) + shaped);
+            let (from_head, from_joint) = (bent.before_bend(simd, block, rest), Eight::of_rows(simd, skinned, crease.joint) + shaped);
             if crease.concerns(bent.along(from_head), from_joint) {
                 crease.hold(&bent.places(simd, block, from_head), from_joint, added, &mut left);
             }

@@ -186,10 +186,12 @@ impl<S: Simd> Chain<S> {
 
 #[cfg(test)]
 mod tests {
+    use fearless_simd::{Level, dispatch};
     use glam::{DMat4, DQuat};
     use proptest::prelude::*;
 
     use super::*;
+    use crate::numeric::block_rows::LANES;
     use crate::numeric::lanes;
     use crate::skinning::blend::{Mode, Skinning};
     use crate::skinning::skeleton::Skeleton;
@@ -230,7 +232,9 @@ mod tests {
             let joints: Vec<Joint> = (0..5).map(|bone| Joint { flesh: crate::Flesh::NONE, ..Joint::isotropic(bone) }).collect();
             let body = body.with_joints(&joints, Options::default()).unwrap();
             body.deform(&Pose::new(&pose), &mut workspace, &mut [[0.0; 3]; 8]).unwrap();
-            let (binding, anatomy, motions) = (body.binding(), body.binding().anatomy(), workspace.motions());
+            let (binding, motions) = (body.binding(), workspace.motions());
+            // All nodes, also of chains.
+            let anatomy = binding.anatomy_of(false);
             let turns = vec![Turn::default(); motions.tree.len()];
             let twists = Twists { limbs: &anatomy.limbs, turns: &turns, channels: &motions.channels };
             for (&slot, &site) in binding.slot_of_vertex.iter().zip(&binding.sites.site_of_vertex) {
@@ -244,6 +248,51 @@ mod tests {
                 let blended = twists.blended(nodes, usize::from(anatomy.tops[slot as usize]), place);
                 prop_assert!(blended.place.distance(skinned) < 1e-5, "{} {skinned}", blended.place);
                 prop_assert!(blended.by.length() < 1e-12);
+            }
+        }
+
+        #[test]
+        fn eight_points_on_chains_turn_as_each_alone(
+            weights in prop::collection::vec(prop_oneof![Just(0.0), Just(0.0), 0.01..1.0], 40),
+            heads in prop::collection::vec(vector(), 5),
+            turns in prop::collection::vec(vector(), 5),
+        ) {
+            prop_assume!(weights.chunks(5).all(|row| row.iter().sum::<f64>() > 0.0));
+            let body = cube(&weights, &[-1, 0, 1, 2, 3], &heads, Mode::Linear);
+            let pose: Vec<DMat4> = turns.iter().zip(&heads).map(|(&turn, &head)| {
+                DMat4::from_rotation_translation(DQuat::from_scaled_axis(turn), head + turn)
+            }).collect();
+            let mut workspace = body.workspace();
+            body.deform(&Pose::new(&pose), &mut workspace, &mut [[0.0; 3]; 8]).unwrap();
+            let (binding, motions) = (body.binding(), workspace.motions());
+            let [chained, all] = [true, false].map(|is_linear| binding.anatomy_of(is_linear));
+            let above = |joint: usize| usize::from(motions.tree.parents[joint]);
+            let turns: Vec<Turn> = chained.limbs.iter().enumerate().map(|(joint, limb)| {
+                let of = |limb| Turn::new(limb, &crate::Flesh::FULL, &motions.channels[above(joint)], &motions.channels[joint], 1.0);
+                limb.as_ref().map_or(Turn::default(), of)
+            }).collect();
+            let twists = Twists { limbs: &chained.limbs, turns: &turns, channels: &motions.channels };
+            for (block, chain) in chained.chains.rows().enumerate() {
+                let slots = block * LANES..(block + 1) * LANES;
+                let mut rest = [[0.0; LANES]; 3];
+                let is_used = |slot: &usize| !binding.sites.of_slot(*slot).is_empty();
+                let place = |slot: usize| binding.rest_in_armature(slot);
+                for slot in slots.clone().filter(is_used) {
+                    rest.iter_mut().zip(single(place(slot))).for_each(|(row, x)| row[slot % LANES] = x);
+                }
+                let found = dispatch!(Level::new(), simd => {
+                    let mut points = Chain::new(simd, Eight::of(simd, &rest));
+                    for (number, joint) in chain.iter().enumerate() {
+                        let link = Link::new(&twists, usize::from(joint.joint), above(usize::from(joint.joint)), DVec3::ZERO);
+                        points.follow(simd, &link, joint, number + 1 == chain.len());
+                    }
+                    points.by.rows(simd)
+                });
+                for slot in slots.filter(is_used).filter(|&slot| chained.nodes.row(slot).is_empty()) {
+                    let expected = twists.blended(all.nodes.row(slot), usize::from(all.tops[slot]), place(slot)).by;
+                    let [x, y, z, _] = found[slot % LANES].map(f64::from);
+                    prop_assert!(DVec3::new(x, y, z).distance(expected) < 1e-5, "{:?} {expected}", found[slot % LANES]);
+                }
             }
         }
     }
