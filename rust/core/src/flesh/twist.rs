@@ -2,7 +2,9 @@
 //!
 //! Joint by joint from the leaves, a point is the mean of what its bones make of it:
 //!
-//!     D_b y_b = w_b x + Σ D_c L_c y_c        over the joints c right below b, L_c what c does that b does not
+//! ```text
+//! D_b y_b = w_b x + Σ D_c L_c y_c        over the joints c right below b, L_c what c does that b does not
+//! ```
 //!
 //! which is linear skinning. Now each part first turns about the axis of each c: that of c by −(1 − s) τ, so that s τ is left of the
 //! twist τ in `L_c`, all others by s τ. Where the point is a bone's alone and s is 1 nothing changes; in a pure twist the
