@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from time import thread_time
+from typing import Literal, NamedTuple
 
 import numpy as np
 import turgor
@@ -20,6 +21,23 @@ POSES = {
     "all twisted by 40°": (0.0, 0.7),
     "bent and twisted": (0.5, 0.5),
     "one bent by 90°": None,
+}
+
+
+class Way(NamedTuple):
+    """What all joints and the body are given."""
+
+    preset: turgor.presets.PresetName
+    flesh: float
+    crease: float
+    fields: Literal["plain", "even"]
+
+
+PLAIN = Way("isotropic", 0.0, 0.0, "plain")
+WAYS = {
+    "law": Way("isotropic", 1.0, 1.0, "plain"),
+    "even fields": Way("isotropic", 0.0, 0.0, "even"),
+    "as added": Way("flesh", 1.0, 0.7, "even"),
 }
 
 
@@ -42,7 +60,7 @@ def _tube(rings: int, sides: int) -> tuple[NDArray[np.float64], NDArray[np.int32
     return points, offsets.astype(np.int32), corners
 
 
-def _body(rings: int, sides: int, bones: int, amount: float) -> tuple[turgor.VolumeSkin, NDArray[np.float64]]:
+def _body(rings: int, sides: int, bones: int, way: Way) -> tuple[turgor.VolumeSkin, NDArray[np.float64]]:
     points, offsets, corners = _tube(rings, sides)
     step = LENGTH / bones
     heads = np.zeros((bones, 3))
@@ -56,8 +74,8 @@ def _body(rings: int, sides: int, bones: int, amount: float) -> tuple[turgor.Vol
     first = np.searchsorted(rows, np.arange(len(points) + 1)).astype(np.int32)
     skeleton = turgor.Skeleton(np.arange(-1, bones - 1, dtype=np.int32), rest)
     skinning = turgor.Skinning(skeleton, first, used.astype(np.int32), weights[rows, used])
-    joints = [turgor.presets.joint("isotropic", bone, flesh=amount) for bone in range(bones)]
-    return turgor.VolumeSkin(turgor.Mesh(points, offsets, corners), skinning, joints), rest
+    joints = [turgor.presets.joint(way.preset, bone, flesh=way.flesh, crease=way.crease) for bone in range(bones)]
+    return turgor.VolumeSkin(turgor.Mesh(points, offsets, corners), skinning, joints, fields=way.fields), rest
 
 
 def _pose(rest: NDArray[np.float64], turn: tuple[float, float] | None) -> NDArray[np.float64]:
@@ -70,19 +88,18 @@ def _pose(rest: NDArray[np.float64], turn: tuple[float, float] | None) -> NDArra
 
 
 def run(turns: int) -> None:
-    """Prints milliseconds per frame, the least of so many, and their ratio."""
-    print(f"\n{'one thread, ms per frame':28}{'pose':22}{'without':>9}{'with':>9}{'ratio':>7}")
+    """Prints milliseconds per frame without the law, the least of so many, and what else takes as a ratio to it."""
+    print(f"\n{'one thread':28}{'pose':22}{'ms':>9}" + "".join(f"{name:>12}" for name in WAYS))
     for name, (rings, sides, bones) in BODIES.items():
-        (plain, rest), (law, _) = (_body(rings, sides, bones, amount) for amount in (0.0, 1.0))
+        made = [_body(rings, sides, bones, way) for way in (PLAIN, *WAYS.values())]
         offsets = np.empty((rings * sides, 3), np.float32)
         for pose_name, turn in POSES.items():
-            pose = _pose(rest, turn)
-            times: tuple[list[float], list[float]] = ([], [])
+            pose = _pose(made[0][1], turn)
+            times = [float("inf")] * len(made)
             for _ in range(turns):
-                for body, of_body in zip((plain, law), times, strict=True):
+                for place, (body, _) in enumerate(made):
                     start = thread_time()
                     body.deform_into(offsets, pose)
-                    of_body.append(thread_time() - start)
-            without, with_law = (1e3 * min(of_body) for of_body in times)
-            figures = f"{without:9.3f}{with_law:9.3f}{with_law / without:7.2f}"
-            print(f"{name:28}{pose_name:22}{figures}", flush=True)
+                    times[place] = min(times[place], thread_time() - start)
+            figures = "".join(f"{of_way / times[0]:12.2f}" for of_way in times[1:])
+            print(f"{name:28}{pose_name:22}{1e3 * times[0]:9.3f}{figures}", flush=True)
