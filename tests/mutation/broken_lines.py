@@ -25,6 +25,7 @@ _LATER = ("tests/blender/test_later_modifiers.py",)
 _ANY_STACK = ("tests/blender/test_operators_on_any_stack.py",)
 _FLESH = ("tests/engine/test_flesh_law.py",)
 _EVEN = ("tests/engine/test_even_fields.py",)
+_FLEX = ("tests/engine/test_flex.py",)
 _NEW_CHARACTERS = ("tests/blender/test_flesh_law.py",)
 
 BROKEN_LINES = (
@@ -105,19 +106,20 @@ BROKEN_LINES = (
         "addon/live/housekeeping.py", 'saved.flesh, saved.fields = 1.0, "EVEN"', "saved.flesh = 1.0", _NEW_CHARACTERS
     ),
     BrokenLine(
-        "rust/core/src/flesh/twist.rs", " + (along - blended) * self.spread) * self.twist", ") * self.twist", _FLESH
+        "rust/core/src/flesh/twist.rs", " + (along - blended) * link.spread) * link.twist", ") * link.twist", _FLESH
     ),
     BrokenLine("rust/core/src/flesh/turn.rs", "amount * sound * fade(angle)", "amount * sound", _FLESH),
     BrokenLine("rust/core/src/flesh/turn.rs", "wider: WIDER *", "wider: 0.0 *", _FLESH),
-    BrokenLine("rust/core/src/flesh/bend.rs", "scale(at(&self.sum, lane), parts[lane])", "at(&self.sum, lane)", _FLESH),
+    BrokenLine("rust/core/src/flesh/bend.rs", "(self.weight * self.weight).max(self.square)", "self.square", _FLESH),
+    BrokenLine("rust/core/src/flesh/crease.rs", "side(rest.along) * pushed * closes", "pushed * 0.0", _FLESH),
+    BrokenLine("rust/core/src/flesh/crease.rs", "*free *= -touch + 1.0", "*free *= touch * 0.0 + 1.0", _FLESH),
+    BrokenLine("rust/core/src/flesh/neighbours.rs", "smoothstep((share - TRUST[0])", "1.0 + 0.0 * (share", _FLESH),
     BrokenLine(
-        "rust/core/src/flesh/crease.rs",
-        "by[lane] += along * (side * pushed * closes)",
-        "by[lane] += 0.0 * along",
-        _FLESH,
+        "rust/core/src/frame/carried.rs",
+        "(x[place] + a, y[place] + b, z[place] + c)",
+        "(x[place], y[place], z[place])",
+        _EVEN,
     ),
-    BrokenLine("rust/core/src/flesh/crease.rs", "free[lane] *= 1.0 - touch", "free[lane] *= 1.0", _FLESH),
-    BrokenLine("rust/core/src/frame/carried.rs", "lanes::to(normal) + flesh.turned(slot)", "lanes::to(normal)", _EVEN),
     BrokenLine("rust/core/src/frame/carried.rs", "added / most", "1.0", _EVEN),
     BrokenLine(
         "rust/core/src/frame/carried.rs",
@@ -125,6 +127,8 @@ BROKEN_LINES = (
         "0.0",
         _EVEN,
     ),
+    BrokenLine("rust/core/src/fields/field.rs", "volume + frame.flex * free", "volume", _FLEX),
+    BrokenLine("rust/core/src/fields/field.rs", "flex: 0.0, ..*self", "..*self", _FLEX),
     BrokenLine("rust/core/src/fields/patch_sums.rs", "d[axis] * (1.0 - share) + g[axis] * part", "d[axis]", _EVEN),
     BrokenLine(
         "rust/core/src/fields/patch_sums.rs", "volumes[i] = g[0] * d[0] + g[1] * d[1] + g[2] * d[2]", "()", _EVEN
