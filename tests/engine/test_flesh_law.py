@@ -124,6 +124,15 @@ def test_a_spread_twist_is_straight_along_the_bone(least: float, tolerance: floa
     np.testing.assert_allclose(np.abs(angle[inner]), 90.0 * along[inner], atol=tolerance)
 
 
+def test_a_bone_no_longer_than_its_skin_reaches_spreads_no_twist():
+    """A mitten hand, as broad as its bone is long: spread along that, its rim would be torn."""
+    rig = limb(3)
+    rig = rig.with_surface(rig.surface.moved(rig.surface.positions * [1.0, 1.0, 3.0]))
+    pose = turned(rig, 0.0, 90.0)
+    spread, blended = (rig.body(joints=following(rig, spread_twist=part)).deform(pose) for part in (1.0, 0.0))
+    np.testing.assert_array_equal(spread.positions, blended.positions)
+
+
 @pytest.mark.parametrize("bend", [30.0, 60.0, 90.0])
 def test_the_section_of_a_bend_widens_across(bend: float):
     """By half of 1 − cos of half the bend at the sides, which the blend leaves as wide as they were."""

@@ -13,8 +13,8 @@ const RUNS_ON: f64 = 0.3;
 const AXIS_NEAR: f64 = 0.5;
 /// The joint below that holds this part of all that hangs on a bone is where the bone leads.
 const LEADS: f64 = 0.6;
-/// A bone this many times as long as thick begins to take a twist along itself, one longer by as much takes all of it.
-const SLENDER: f64 = 1.0;
+/// A bone this many times as long as its skin reaches begins to take a twist along itself, one longer by as much takes all of it.
+const SLENDER: f64 = 1.3;
 
 /// Where bends end along the limb, in radii, and across it, in reaches of the section: as `bend` has them.
 pub(super) const REACH: f64 = 2.55;
@@ -108,7 +108,7 @@ impl Limb {
         let reaches: Vec<f64> = angles.map(f64::sin_cos).map(|(sine, cosine)| reach((cosine, sine))).collect();
         let reach_max = reaches.iter().copied().fold(0.0, f64::max);
         let is_sound = radius > 0.0 && radius.recip().is_finite();
-        let slender = length.map_or(0.0, |length| smoothstep((length / radius - SLENDER) / SLENDER));
+        let slender = length.map_or(0.0, |length| smoothstep((length / reach_max - SLENDER) / SLENDER));
         let head = tree.heads[joint];
         is_sound.then_some(Self {
             head,
