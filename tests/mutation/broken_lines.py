@@ -23,6 +23,8 @@ _MEASURED = ("tests/blender/test_measured_figures.py",)
 _VOLUME = ("tests/blender/test_measured_volume.py",)
 _LATER = ("tests/blender/test_later_modifiers.py",)
 _ANY_STACK = ("tests/blender/test_operators_on_any_stack.py",)
+_ADDED = ("tests/engine/test_added_offsets.py",)
+_RESIDUAL = ("tests/engine/test_masks.py", "tests/engine/test_exactness.py", "tests/engine/test_extreme_scales.py")
 _FLESH = ("tests/engine/test_flesh_law.py",)
 _EVEN = ("tests/engine/test_even_fields.py",)
 _FLEX = ("tests/engine/test_flex.py",)
@@ -99,6 +101,17 @@ BROKEN_LINES = (
     BrokenLine("addon/scene/stack.py", "        ob.modifiers.remove(ours)\n", "        pass\n", _ANY_STACK),
     BrokenLine(
         "addon/scene/modifier_places.py", "        modifier.use_pin_to_last = True\n", "        pass\n", _ANY_STACK
+    ),
+    # What Rust's own tests leave to laws in Python
+    BrokenLine("rust/core/src/skinning/dual_quaternion.rs", "< 0.0 { -weight }", "< 0.0 { weight }", _SKINNING),
+    BrokenLine("rust/core/src/frame/added.rs", "1.0 / coincident.len().max(1) as f64", "1.0", _ADDED),
+    BrokenLine("rust/core/src/frame/offsets.rs", "largest_squared.fetch_max(", "largest_squared.fetch_min(", _PATHS),
+    BrokenLine(
+        "rust/core/src/frame/residual.rs", "is_masked && !state.is_linear_only", "!state.is_linear_only", _RESIDUAL
+    ),
+    BrokenLine("rust/core/src/frame/residual.rs", "&& (!may_give_up || is_exact(step))", "", _RESIDUAL),
+    BrokenLine(
+        "rust/core/src/frame/residual.rs", "None => state.step = f64::NAN", "None => state.step = 0.0", _RESIDUAL
     ),
     # The law of flesh, and even fields
     BrokenLine("addon/live/housekeeping.py", "saved.flesh, saved.fields = 1.0, ", "saved.fields = ", _NEW_CHARACTERS),
